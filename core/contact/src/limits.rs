@@ -1,0 +1,26 @@
+//! Every capacity and every limit of the core, each with its reason.
+
+/// Contact regions at once. The paper's bound (section VI: "a reasonable number of contact regions (<= 10)").
+pub const MAX_REGIONS: usize = 10;
+
+/// Convex parts of a compound probe. A region may hold several parts that are closer than `region_distance`, so there
+/// are more parts than regions; 16 keeps the whole state below 40 kB, which fits the tightly coupled memory of a Cortex-M7.
+pub const MAX_PARTS: usize = 16;
+
+/// Most samples of a region. Above it the closed-form limits are met to 0.1 % and more buys nothing.
+pub const MAX_SAMPLES: usize = 1024;
+
+/// Fewest samples of a region: below it a turning path errs by more than the tier's stated bound.
+pub const MIN_SAMPLES: usize = 16;
+
+/// Largest distance of probe and object from the world origin [m]. At 1 km an f32 resolves 0.06 mm.
+pub const MAX_DISTANCE: f32 = 1.0e3;
+
+/// Largest speed of the probe between two ticks [m/s]; a hand reaches 5 m/s, a device far less. A faster jump is a fault.
+pub const MAX_SPEED: f32 = 20.0;
+
+/// Largest rate of turn between two ticks [rad/s]; a wrist reaches 40 rad/s.
+pub const MAX_TURN_RATE: f32 = 200.0;
+
+/// How far a quaternion's length may be from 1 before the pose is refused.
+pub const QUATERNION_TOLERANCE: f32 = 1.0e-3;
