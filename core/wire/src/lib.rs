@@ -1,1 +1,75 @@
+//! The bytes between device, host and tools, as tables one can read.
+//!
+//! Words: the **device** is the thing at the end of the cable, the **host** the real-time program, a **tool** any program that
+//! looks on. A **message** is one value of a table; a **frame** is a message with its checksum, marked off in a stream of bytes;
+//! a **packet** is a frame in 64 bytes of USB. `WIRE.md` tells the same in prose for someone writing firmware in C.
+//!
+//! Device link (integers and arrays only; [`device`]):
+//!
+//! | message | direction | when | bytes at most |
+//! |---|---|---|---|
+//! | [`HostHello`] | host → device | first, and after every loss | 14 |
+//! | [`DeviceHello`] | device → host | answers `HostHello` | 46 |
+//! | [`Mode`] (`SetMode`) | host → device | to arm, rest, brake or reset | 2 |
+//! | [`PoseReport`] | device → host | once a period, in every mode | 54 |
+//! | [`WrenchCommand`] | host → device | answers every `PoseReport` | 46 |
+//! | [`DeviceFault`] | device → host | once, when a fault latches | 12 |
+//!
+//! Tool link (host to tool, a pipe or a socket; [`status`]) and files ([`scene`], [`recording`]):
+//!
+//! | message | direction | when | bytes at most |
+//! |---|---|---|---|
+//! | [`SessionHello`] | host → tool | the device has answered | 52 |
+//! | [`Progress`] | host → tool | some ten times a second | 46 |
+//! | [`FaultRecord`] | host → tool, recording | a fault latches | 17 |
+//! | [`Summary`] | host → tool, recording | the session ends | 160 |
+//! | [`BakedScene`] | tool → host | a file, before the start | 757 |
+//! | [`RecordHeader`] | recording | its first frame | 29 |
+//! | [`TickRecord`] | recording | once a tick | 131 |
+//!
+//! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
+//! at most 6 to a message shorter than 250 bytes, a packet 5. Every figure is a constant (`MAX_ENCODED`) held by a test.
+//! Nothing here allocates, reads a clock or can panic on any input. Frames are single letters: `w` world, `d` device base,
+//! `h` handle, `p` probe. Units are SI unless the name says otherwise (`_nm` nanometre, `_un` micronewton, `_unm`
+//! micronewton metre, `_q30` multiples of 2^-30, `_us`, `_ns`).
 #![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+mod cobs;
+pub mod decoder;
+pub mod device;
+pub mod frame;
+pub mod packet;
+pub mod recording;
+pub mod scene;
+pub mod schema;
+pub mod status;
+pub mod units;
+
+pub use decoder::{DecodeCounts, StreamDecoder};
+pub use device::{
+    DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice,
+    WrenchCommand,
+};
+pub use frame::{FrameError, decode_stream, encode_stream, stream_bound};
+pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
+pub use recording::{Record, RecordHeader, TickRecord};
+pub use scene::{
+    BakedScene, Breakaway, Compliance, Coupling, Deformation, ObjectShape, Place, ProbePart,
+    ProbeParts, ProbeShape, Tier,
+};
+pub use schema::{
+    PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version,
+    check_tool_version,
+};
+pub use status::{
+    FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary,
+};
+pub use units::{
+    metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons,
+    unit_to_q30, unm_to_newton_metres,
+};
