@@ -46,9 +46,17 @@ pub mod frame;
 pub mod packet;
 pub mod recording;
 pub mod scene;
+pub mod scene_file;
 pub mod schema;
 pub mod status;
 pub mod units;
+
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod table_tests;
+#[cfg(test)]
+mod type_text;
 
 pub use decoder::{DecodeCounts, StreamDecoder};
 pub use device::{
@@ -57,11 +65,13 @@ pub use device::{
 };
 pub use frame::{FrameError, decode_stream, encode_stream, stream_bound};
 pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
+pub use recording::{Damage, DamageCause, RecordReader};
 pub use recording::{Record, RecordHeader, TickRecord};
 pub use scene::{
     BakedScene, Breakaway, Compliance, Coupling, Deformation, ObjectShape, Place, ProbePart,
     ProbeParts, ProbeShape, Tier,
 };
+pub use scene_file::SceneFileError;
 pub use schema::{
     PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version,
     check_tool_version,

@@ -4,9 +4,12 @@
 //! still reads up to its last whole frame, and damage in the middle costs the frames it touches and no more. The first frame is
 //! the [`RecordHeader`], the last one of a session that ended in order the [`Summary`].
 
+use core::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::device::{ENUM, F32, U16, U32, U64};
+use crate::frame::{FrameError, decode_stream, stream_bound};
 use crate::scene::Tier;
 use crate::status::{FaultRecord, Summary};
 
@@ -90,4 +93,195 @@ pub struct TickRecord {
 impl TickRecord {
     /// Postcard bytes at most, without the byte that names the record.
     pub const MAX_ENCODED: usize = 2 * U64 + 19 * F32 + 1 + 3 * F32 + ENUM + 4 * U32;
+}
+
+/// Bytes of a frame at most, its final zero included.
+pub const FRAME_MAX: usize = stream_bound(Record::MAX_ENCODED);
+
+/// A stretch of a recording that holds no record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Where it begins [bytes from the start of the file].
+    pub offset: usize,
+    /// Its length [bytes].
+    pub skipped: usize,
+    /// What is wrong with it.
+    pub cause: DamageCause,
+}
+
+/// What is wrong with a stretch of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DamageCause {
+    /// The file ends before the frame does.
+    Cut,
+    /// Longer than any record.
+    Long,
+    /// A frame, but not a good one.
+    Frame(FrameError),
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (offset, skipped) = (self.offset, self.skipped);
+        write!(f, "byte {offset}: {skipped} bytes skipped: ")?;
+        match self.cause {
+            DamageCause::Cut => f.write_str("the recording ends within a frame"),
+            DamageCause::Long => f.write_str("longer than any record"),
+            DamageCause::Frame(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Damage {}
+
+/// Reads the records of a file, in order; damage is reported in its place and reading goes on after it.
+#[derive(Clone, Debug)]
+pub struct RecordReader<'a> {
+    rest: &'a [u8],
+    offset: usize,
+}
+
+impl<'a> RecordReader<'a> {
+    /// Reads from the first byte of a recording.
+    #[must_use]
+    pub const fn new(file: &'a [u8]) -> Self {
+        Self {
+            rest: file,
+            offset: 0,
+        }
+    }
+
+    /// Where the next frame begins [bytes from the start of the file].
+    #[must_use]
+    pub const fn offset(&self) -> usize {
+        self.offset
+    }
+
+    /// The next frame without its zero, and whether it had one.
+    fn take_frame(&mut self) -> (&'a [u8], bool) {
+        let end = self.rest.iter().position(|&byte| byte == 0);
+        let (frame, rest) = match end.and_then(|at| self.rest.split_at_checked(at)) {
+            Some((frame, rest)) => (frame, rest.get(1..).unwrap_or(&[])),
+            None => (self.rest, &[][..]),
+        };
+        self.offset += self.rest.len() - rest.len();
+        self.rest = rest;
+        (frame, end.is_some())
+    }
+}
+
+impl Iterator for RecordReader<'_> {
+    type Item = Result<Record, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.rest.is_empty() {
+            let offset = self.offset;
+            let (frame, whole) = self.take_frame();
+            let damage = |cause| Damage {
+                offset,
+                skipped: frame.len() + usize::from(whole),
+                cause,
+            };
+            if frame.is_empty() {
+                continue;
+            }
+            if !whole {
+                return Some(Err(damage(DamageCause::Cut)));
+            }
+            let mut buffer = [0; FRAME_MAX];
+            let Some(copy) = buffer.get_mut(..frame.len()) else {
+                return Some(Err(damage(DamageCause::Long)));
+            };
+            copy.iter_mut()
+                .zip(frame)
+                .for_each(|(to, &byte)| *to = byte);
+            return Some(decode_stream(copy).map_err(|error| damage(DamageCause::Frame(error))));
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::encode_stream;
+    use crate::samples::{FAULT_RECORD, HEADER, SUMMARY};
+    use std::vec::Vec;
+
+    fn session() -> (Vec<u8>, Vec<Record>, Vec<usize>) {
+        let ticks = (0..20).map(|tick| {
+            Record::Tick(TickRecord {
+                tick,
+                t_us: 1000 * tick,
+                depth: 1e-5 * tick as f32,
+                ..TickRecord::default()
+            })
+        });
+        let mut records = std::vec![Record::Header(HEADER)];
+        records.extend(ticks);
+        records.extend([Record::Fault(FAULT_RECORD), Record::End(SUMMARY)]);
+        let (mut file, mut ends) = (Vec::new(), Vec::new());
+        for record in &records {
+            let mut frame = [0; FRAME_MAX];
+            let n = encode_stream(record, &mut frame).unwrap();
+            file.extend_from_slice(&frame[..n]);
+            ends.push(file.len());
+        }
+        (file, records, ends)
+    }
+
+    #[test]
+    fn there_and_back() {
+        let (file, records, _) = session();
+        let read: Result<Vec<_>, _> = RecordReader::new(&file).collect();
+        assert_eq!(read.unwrap(), records);
+    }
+
+    #[test]
+    fn a_file_cut_at_any_byte_reads_up_to_its_last_whole_frame() {
+        let (file, records, ends) = session();
+        for cut in 0..=file.len() {
+            let whole = ends.iter().filter(|&&end| end <= cut).count();
+            let read: Vec<_> = RecordReader::new(&file[..cut]).collect();
+            let good: Vec<_> = read.iter().filter_map(|r| r.ok()).collect();
+            assert_eq!(good, records[..whole], "cut at {cut}");
+            let begun = cut > ends[..whole].last().copied().unwrap_or(0);
+            assert_eq!(read.len() - good.len(), usize::from(begun), "cut at {cut}");
+            if begun {
+                let damage = read.last().unwrap().unwrap_err();
+                assert_eq!(damage.cause, DamageCause::Cut);
+                assert_eq!(damage.offset + damage.skipped, cut);
+            }
+        }
+    }
+
+    #[test]
+    fn damage_costs_the_frames_it_touches() {
+        let (file, records, ends) = session();
+        for at in 0..file.len() {
+            for flip in [0x01, 0x80, 0xFF] {
+                let mut bad = file.clone();
+                bad[at] ^= flip;
+                let hit = ends.iter().filter(|&&end| end <= at).count();
+                let read: Vec<_> = RecordReader::new(&bad).filter_map(Result::ok).collect();
+                // a zero that is gone joins two frames
+                let lost_zero = at + 1 == ends[hit];
+                let lost = hit..(hit + 1 + usize::from(lost_zero)).min(records.len());
+                let expected: Vec<_> = (0..records.len())
+                    .filter(|i| !lost.contains(i))
+                    .map(|i| records[i])
+                    .collect();
+                assert_eq!(read, expected, "byte {at} ^ {flip:02x}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_longer_than_any_record_is_named() {
+        let file = [7; FRAME_MAX + 1];
+        let file = [&file[..], &[0]].concat();
+        let damage = RecordReader::new(&file).next().unwrap().unwrap_err();
+        assert_eq!(damage.cause, DamageCause::Long);
+        assert_eq!((damage.offset, damage.skipped), (0, FRAME_MAX + 2));
+    }
 }

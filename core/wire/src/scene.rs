@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::{ENUM, F32, U16};
 
+pub use crate::scene_file::{FILE_MAX, MAGIC, SceneFileError, decode_file, digest, encode_file};
+
 /// Everything the host needs to run a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BakedScene {

@@ -21,9 +21,42 @@ pub const SCHEMA_HASH: u32 = CRC32.checksum(DEVICE_TABLE.as_bytes());
 pub const TOOL_SCHEMA_HASH: u32 = CRC32.checksum(TOOL_TABLE.as_bytes());
 
 /// The device link in canonical text.
-pub const DEVICE_TABLE: &str = "";
+pub const DEVICE_TABLE: &str = "\
+FromDevice=Hello(DeviceHello)|Pose(PoseReport)|Fault(DeviceFault)\n\
+ToDevice=Hello(HostHello)|SetMode(Mode)|Wrench(WrenchCommand)\n\
+DeviceHello{version:u16,schema:u32,name:[u8;12],serial:[u8;12],max_force_un:u32,max_torque_unm:u32,watchdog_ticks:u16}\n\
+HostHello{version:u16,schema:u32,period_us:u32}\n\
+PoseReport{seq:u32,t_us:u32,position_nm:[i32;3],rotation_q30:[i32;4],buttons:u8,mode:Mode,flags:u8,echo:u32}\n\
+WrenchCommand{seq:u32,echo:u32,force_un:[i32;3],torque_unm:[i32;3],hold_us:u32}\n\
+DeviceFault{cause:FaultCause,seq:u32,detail:i32}\n\
+Mode=Reset|Idle|Force|Brake\n\
+FaultCause=Watchdog|OverSpeed|NonFinite|VersionMismatch|Protocol|Hardware\n\
+";
 /// The tool link and the files in canonical text.
-pub const TOOL_TABLE: &str = "";
+pub const TOOL_TABLE: &str = "\
+FromHost=Hello(SessionHello)|Progress(Progress)|Fault(FaultRecord)|Summary(Summary)\n\
+SessionHello{version:u16,schema:u32,period_us:u32,device_name:[u8;12],device_serial:[u8;12],max_force_un:u32,max_torque_unm:u32,rt:RtReport}\n\
+Progress{tick:u64,regions:u8,force:[f32;3],torque:[f32;3],step_ns:u32,in_time_permille:u16,fault:?HostFault}\n\
+FaultRecord{cause:HostFault,tick:u64,after_ticks:u32}\n\
+Summary{ticks:u64,in_time:u64,late:u64,lost:u64,rejected:u64,out_of_order:u64,recorder_dropped:u64,peak_force:f32,peak_torque:f32,step_ns:Quantiles,wake_ns:Quantiles,round_trip_ns:Quantiles,rt:RtReport,fault:?HostFault}\n\
+Quantiles{p50:u32,p99:u32,p999:u32,p9999:u32,max:u32}\n\
+RtReport{fifo:bool,locked:bool,pinned:bool,dma_latency:bool}\n\
+HostFault=LinkLost|Stale|Garbage|DeviceRestarted|DeviceFault|DeviceWatchdog|DeviceOverSpeed|DeviceNonFinite|VersionMismatch|NonFinite|Overrun\n\
+Record=Header(RecordHeader)|Tick(TickRecord)|Fault(FaultRecord)|End(Summary)\n\
+RecordHeader{version:u16,schema:u32,rate_hz:u32,scene_digest:u64,start_unix_s:u32}\n\
+TickRecord{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],force:[f32;3],torque:[f32;3],contact_force:[f32;3],contact_torque:[f32;3],regions:u8,depth:f32,radius:f32,stick:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32}\n\
+BakedScene{object:ObjectShape,fixed_below:f32,young_modulus:f32,poisson_ratio:f32,density:f32,compliance:?Compliance,probe:ProbeParts,mass:f32,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,tier:Tier,samples:u16,sweeps:u8,deformation:Deformation,coupling:Coupling,breakaway:Breakaway,gravity:bool,paper_length:f32,place:Place}\n\
+ObjectShape=HalfSpace|Box{size:[f32;3]}|Sphere{radius:f32}|Ellipsoid{semi_axes:[f32;3]}|Cylinder{radius:f32,height:f32}\n\
+Compliance{normal:f32,drag:f32,twist:f32}\n\
+ProbeParts{count:u8,parts:[ProbePart;16]}\n\
+ProbePart{shape:ProbeShape,position:[f32;3],rotation:[f32;4]}\n\
+ProbeShape=Sphere{radius:f32}|Box{size:[f32;3]}|Cylinder{radius:f32,height:f32}|Cone{radius:f32,height:f32}|Capsule{radius:f32,height:f32}|Ellipsoid{semi_axes:[f32;3]}\n\
+Tier=Point|Paper|Bristle|Influence|Green\n\
+Deformation=None|Local|Full\n\
+Coupling=Direct|Virtual\n\
+Breakaway=Smooth|Sharp\n\
+Place{p_wd:[f32;3],q_wd:[f32;4]}\n\
+";
 
 /// Host and device, or tool and host, were built from different tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
