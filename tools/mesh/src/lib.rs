@@ -1,0 +1,30 @@
+//! Meshes on the host's side: load, check, measure, tessellate.
+//!
+//! Words: a **mesh** is a list of vertices [m] and of triangles whose corners run counter-clockwise seen from outside; a
+//! **boundary edge** belongs to one triangle, a **non-manifold edge** to more than two, a **flipped edge** to two that run along
+//! it in the same direction. A mesh with none of the three encloses a solid. Everything is f64 and SI; no clock, no randomness:
+//! the same file gives the same numbers. None of it runs in a tick.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`load`] | bounded reading of STL files |
+//! | [`weld`] | joins vertices that lie within a tolerance |
+//! | [`check`] | watertight, manifold, oriented, free of slivers |
+//! | [`properties`] | volume, mass centre, inertia |
+//! | [`tessellate`] | triangles for the primitives of a scene |
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod check;
+pub mod load;
+pub mod mesh;
+pub mod properties;
+pub mod tessellate;
+pub mod weld;
+
+pub use check::{Findings, check};
+pub use glam::{DMat3, DVec3};
+pub use load::{LoadError, load_stl, read_stl};
+pub use mesh::Mesh;
+pub use properties::{Properties, properties};
+pub use weld::weld;
