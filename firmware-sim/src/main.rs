@@ -1,1 +1,22 @@
-fn main() {}
+//! Serves the simulated device in real time over a pseudo terminal or a TCP port.
+//!
+//! One line on standard output says where (`serving pty /dev/pts/3`, `serving tcp 127.0.0.1:40001`); everything else goes to
+//! standard error. Hosts may come and go; the device goes on. SIGTERM ends it at once: it holds nothing that must be put away.
+#![forbid(unsafe_code)]
+
+mod serve;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let args = serve::args::Args::parse();
+    match serve::run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("haptor-firmware-sim: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Turns of equal length, by absolute sleeps.
+
+use std::io;
+
+use rustix::io::Errno;
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec, clock_gettime};
+
+/// Lateness that is caught up by turns without sleep [ns]: three of 1 ms. Beyond it the device's time stands still instead: hardware
+/// does not stop when a computer is busy, and a burst of old reports would be the simulator's fault and not the device's.
+const CATCH_UP_NS: i64 = 3_000_000;
+
+/// When the next turn begins.
+#[derive(Debug)]
+pub struct Clock {
+    next_ns: i64,
+    turn_ns: i64,
+    turns: u64,
+    stood_still: u64,
+}
+
+impl Clock {
+    /// The first turn begins one length from now.
+    pub fn start(turn_us: u32) -> Self {
+        Self {
+            next_ns: now_ns(),
+            turn_ns: i64::from(turn_us) * 1000,
+            turns: 0,
+            stood_still: 0,
+        }
+    }
+
+    /// Turns so far.
+    pub fn turns(&self) -> u64 {
+        self.turns
+    }
+
+    /// Times it was too late to catch up.
+    pub fn stood_still(&self) -> u64 {
+        self.stood_still
+    }
+
+    /// Sleeps until the next turn begins.
+    pub fn wait(&mut self) -> io::Result<()> {
+        self.next_ns += self.turn_ns;
+        self.turns += 1;
+        let now = now_ns();
+        if now - self.next_ns > CATCH_UP_NS {
+            self.next_ns = now;
+            self.stood_still += 1;
+        }
+        let until = Timespec {
+            tv_sec: self.next_ns / 1_000_000_000,
+            tv_nsec: self.next_ns % 1_000_000_000,
+        };
+        loop {
+            match clock_nanosleep_absolute(ClockId::Monotonic, &until) {
+                Ok(()) => return Ok(()),
+                Err(Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+    }
+}
+
+fn now_ns() -> i64 {
+    let now = clock_gettime(ClockId::Monotonic);
+    now.tv_sec * 1_000_000_000 + now.tv_nsec
+}

@@ -1,0 +1,161 @@
+//! The real-time loop: once a millisecond read, step, write.
+
+pub mod args;
+mod clock;
+mod drill;
+mod link;
+
+use std::io::{Read, Write, stdin, stdout};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, Result};
+use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
+use haptor_firmware_sim::script::Reach;
+use haptor_firmware_sim::{Device, Script, TxBuf};
+use haptor_wire::Mode;
+
+use args::{Args, Resolution};
+use clock::Clock;
+use drill::{Noise, Orders, orders};
+use link::Link;
+
+/// Length of a turn of the loop [us].
+const TURN_US: u32 = 1_000;
+
+/// Random bytes of a turn in the garbage drill: what a full frame would take.
+const GARBAGE_BYTES: usize = 64;
+
+/// Bytes read in a turn at most: a thousand times what a host should send.
+const READ_BYTES: usize = 64 * 1024;
+
+/// Serves until the time is up, standard input closes or the drill says so.
+pub fn run(args: &Args) -> Result<()> {
+    let mut server = Server::new(args)?;
+    println!("serving {}", server.link.place()?);
+    stdout().flush().context("cannot say where it serves")?;
+    let stop = Arc::new(AtomicBool::new(false));
+    if args.until_stdin_closes {
+        watch_stdin(Arc::clone(&stop));
+    }
+    let turns = args.seconds.map(|s| (s * 1e6 / f64::from(TURN_US)) as u64);
+    let mut clock = Clock::start(TURN_US);
+    while !stop.load(Ordering::Relaxed) && turns.is_none_or(|turns| clock.turns() < turns) {
+        clock.wait().context("cannot sleep")?;
+        if !server.turn()? {
+            break;
+        }
+    }
+    server.say_how_it_went(&clock);
+    Ok(())
+}
+
+fn watch_stdin(stop: Arc<AtomicBool>) {
+    std::thread::spawn(move || {
+        let mut buffer = [0; 256];
+        while matches!(stdin().read(&mut buffer), Ok(n) if n > 0) {}
+        stop.store(true, Ordering::Relaxed);
+    });
+}
+
+struct Server<'a> {
+    args: &'a Args,
+    link: Link,
+    device: Device,
+    tx: TxBuf,
+    rx: Vec<u8>,
+    noise: Noise,
+    /// Time since forces were first armed [us].
+    armed_us: Option<u64>,
+}
+
+impl<'a> Server<'a> {
+    fn new(args: &'a Args) -> Result<Self> {
+        let reach = Reach::usual(FIRM_GRIP.stiffness, args.preset.max_force);
+        let script = Script::by_name(&args.script, &reach, !args.once).context("no such script")?;
+        let encoders = match args.encoders {
+            Resolution::Fine => Encoders::FINE,
+            Resolution::Sheet => Encoders::of(&args.preset),
+        };
+        Ok(Self {
+            args,
+            link: Link::open(args.serve)?,
+            device: Device::new(&args.preset, &args.serial, FIRM_GRIP, encoders, script),
+            tx: TxBuf::new(),
+            rx: vec![0; READ_BYTES],
+            noise: Noise::new(args.seed),
+            armed_us: None,
+        })
+    }
+
+    /// One turn; false when the drill ends the process.
+    fn turn(&mut self) -> Result<bool> {
+        let orders = self.orders();
+        if orders.die {
+            eprintln!("haptor-firmware-sim: drill: gone");
+            return Ok(false);
+        }
+        if orders.restart {
+            self.device.restart(&self.args.preset, &self.args.serial);
+        }
+        if orders.kick {
+            self.device
+                .kick([2.0 * self.args.preset.over_speed, 0.0, 0.0]);
+        }
+        let come = self.receive(orders)?;
+        self.tx.clear();
+        self.device.step(TURN_US, &self.rx[..come], &mut self.tx);
+        self.send(orders);
+        Ok(true)
+    }
+
+    fn orders(&mut self) -> Orders {
+        match &mut self.armed_us {
+            None => {
+                if self.device.mode() == Mode::Force {
+                    self.armed_us = Some(0);
+                }
+                Orders::default()
+            }
+            Some(armed_us) => {
+                *armed_us += u64::from(TURN_US);
+                orders(&self.args.faults, *armed_us, u64::from(TURN_US))
+            }
+        }
+    }
+
+    fn receive(&mut self, orders: Orders) -> Result<usize> {
+        if orders.stall {
+            return Ok(0);
+        }
+        if self.link.changed_hands()? {
+            self.device.link_opened();
+        }
+        self.link.read(&mut self.rx)
+    }
+
+    fn send(&mut self, orders: Orders) {
+        if orders.stall {
+            return;
+        }
+        if orders.garbage {
+            let mut bytes = [0; GARBAGE_BYTES];
+            self.noise.fill(&mut bytes);
+            self.link.write(&bytes);
+        } else {
+            self.link.write(self.tx.as_slice());
+        }
+    }
+
+    fn say_how_it_went(&self, clock: &Clock) {
+        let counts = self.device.counts();
+        eprintln!(
+            "haptor-firmware-sim: {} turns, {} times stood still; {} messages, {} frames rejected; {} writes dropped",
+            clock.turns(),
+            clock.stood_still(),
+            counts.accepted,
+            counts.rejected(),
+            self.link.dropped()
+        );
+    }
+}
