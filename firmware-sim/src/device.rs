@@ -205,3 +205,117 @@ fn load(rendered: &Rendered) -> Load {
         braked: rendered.braked,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::FIRM_GRIP;
+    use crate::preset::PREMIUM15;
+    use crate::script::Reach;
+    use haptor_wire::{HostHello, PROTOCOL_VERSION, SCHEMA_HASH};
+    use std::vec::Vec;
+
+    fn device() -> Device {
+        let reach = Reach::usual(FIRM_GRIP.stiffness, PREMIUM15.max_force);
+        let script = Script::by_name("press", &reach, true).unwrap();
+        Device::new(&PREMIUM15, "T", FIRM_GRIP, Encoders::FINE, script)
+    }
+
+    fn frame(message: &ToDevice) -> Vec<u8> {
+        let mut out = [0; 64];
+        let n = encode_stream(message, &mut out).unwrap();
+        out[..n].to_vec()
+    }
+
+    fn opening() -> Vec<u8> {
+        let hello = ToDevice::Hello(HostHello {
+            version: PROTOCOL_VERSION,
+            schema: SCHEMA_HASH,
+            period_us: 1000,
+        });
+        [frame(&hello), frame(&ToDevice::SetMode(Mode::Force))].concat()
+    }
+
+    fn said(tx: &TxBuf) -> Vec<FromDevice> {
+        let mut messages = Vec::new();
+        let mut decoder = StreamDecoder::<64>::new();
+        decoder.feed(tx.as_slice(), |message| messages.push(message));
+        messages
+    }
+
+    #[test]
+    fn the_same_calls_give_the_same_bytes_however_time_is_cut() {
+        let run = |cuts: &[u32]| {
+            let (mut device, mut all) = (device(), Vec::new());
+            let mut tx = TxBuf::new();
+            device.step(0, &opening(), &mut tx);
+            for dt in cuts.iter().cycle().scan(0, |t, &dt| {
+                *t += dt;
+                (*t <= 200_000).then_some(dt)
+            }) {
+                device.step(dt, &[], &mut tx);
+                all.extend_from_slice(tx.as_slice());
+                tx.clear();
+            }
+            all
+        };
+        let whole = run(&[1000]);
+        assert!(whole.len() > 200 * 15, "{}", whole.len());
+        for cuts in [&[125][..], &[1], &[250, 750], &[100, 900, 1000], &[10_000]] {
+            assert_eq!(run(cuts), whole, "{cuts:?}");
+        }
+    }
+
+    #[test]
+    fn the_hand_waits_until_forces_are_armed() {
+        let (mut device, mut tx) = (device(), TxBuf::new());
+        device.step(2_000_000, &[], &mut tx);
+        assert_eq!(device.plant().position, Vec3::ZERO);
+        device.step(25_000, &opening(), &mut tx);
+        assert_eq!(device.mode(), Mode::Force);
+        device.step(300_000, &[], &mut tx);
+        assert_eq!(device.mode(), Mode::Brake, "nobody answered");
+        assert!(device.plant().position.z < -1e-3);
+    }
+
+    #[test]
+    fn a_kick_trips_over_speed_and_a_restart_forgets_it() {
+        let (mut device, mut tx) = (device(), TxBuf::new());
+        device.step(1000, &opening(), &mut tx);
+        device.kick([0.0, 2.0, 0.0]);
+        device.step(1000, &[], &mut tx);
+        assert_eq!(device.mode(), Mode::Brake);
+        let fault = device.fault().unwrap();
+        assert!(said(&tx).contains(&FromDevice::Fault(fault)));
+        device.restart(&PREMIUM15, "T");
+        assert_eq!((device.mode(), device.fault()), (Mode::Reset, None));
+    }
+
+    #[test]
+    fn a_tx_buffer_nobody_empties_holds_whole_frames_and_counts_the_rest() {
+        let (mut device, mut tx) = (device(), TxBuf::new());
+        device.step(0, &opening(), &mut tx);
+        for _ in 0..500 {
+            device.step(1000, &[], &mut tx);
+        }
+        let kept = said(&tx).len() as u32;
+        // a hello, a fault, 500 reports
+        assert_eq!(kept + tx.dropped(), 502);
+        assert!(kept >= 100);
+        assert_eq!(tx.as_slice().last(), Some(&0));
+    }
+
+    #[test]
+    fn garbage_is_counted_and_changes_nothing() {
+        let (mut device, mut tx) = (device(), TxBuf::new());
+        let garbage: Vec<u8> = (0..4000_u32)
+            .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)
+            .chain([0])
+            .collect();
+        device.step(0, &garbage, &mut tx);
+        assert_eq!(device.mode(), Mode::Reset);
+        assert!(device.counts().rejected() > 5);
+        device.step(1000, &opening(), &mut tx);
+        assert_eq!(device.mode(), Mode::Force);
+    }
+}

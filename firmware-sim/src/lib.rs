@@ -30,6 +30,11 @@ pub mod plant;
 pub mod preset;
 pub mod script;
 
+#[cfg(test)]
+mod closed_loop_tests;
+#[cfg(test)]
+mod logic_tests;
+
 pub use device::{Device, TxBuf};
 pub use preset::Preset;
 pub use script::Script;

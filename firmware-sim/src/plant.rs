@@ -184,3 +184,115 @@ impl Encoders {
 fn nearest(v: Vec3, step: f32) -> Vec3 {
     (v / step).round() * step
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preset::PREMIUM15;
+
+    const AT_HOME: Target = Target {
+        position: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        velocity: Vec3::ZERO,
+        spin: Vec3::ZERO,
+    };
+
+    fn displaced(hand: Hand) -> Plant {
+        Plant {
+            position: Vec3::new(0.01, -0.02, 0.03),
+            rotation: Quat::from_scaled_axis(Vec3::new(0.5, -1.0, 2.0)),
+            ..Plant::new(&PREMIUM15, hand)
+        }
+    }
+
+    #[test]
+    fn left_alone_it_loses_energy_until_it_rests() {
+        let mut plant = displaced(FIRM_GRIP);
+        let mut before = plant.energy(&AT_HOME);
+        for step in 0..16_000 {
+            plant.step(&AT_HOME, &Load::default());
+            let energy = plant.energy(&AT_HOME);
+            // a symplectic step wobbles by dt times the power exchanged
+            assert!(
+                energy <= before * 1.02 + 1e-9,
+                "step {step}: {before} J to {energy} J"
+            );
+            before = energy;
+        }
+        assert!(before < 1e-8, "{before} J left");
+    }
+
+    #[test]
+    fn without_damping_energy_neither_grows_nor_fades() {
+        let hand = Hand {
+            damping: 0.0,
+            spin_damping: 0.0,
+            ..FIRM_GRIP
+        };
+        let mut plant = Plant {
+            damping: 0.0,
+            spin_damping: 0.0,
+            ..displaced(hand)
+        };
+        let begin = plant.energy(&AT_HOME);
+        for step in 0..80_000 {
+            plant.step(&AT_HOME, &Load::default());
+            let drift = plant.energy(&AT_HOME) / begin - 1.0;
+            assert!(drift.abs() < 0.02, "step {step}: {drift}");
+        }
+    }
+
+    #[test]
+    fn a_steady_wrench_is_balanced_by_the_hand_s_springs() {
+        let mut plant = Plant::new(&PREMIUM15, FIRM_GRIP);
+        let load = Load {
+            force: Vec3::new(4.0, 0.0, -2.0),
+            torque: Vec3::new(0.0, 0.3, 0.0),
+            braked: false,
+        };
+        for _ in 0..16_000 {
+            plant.step(&AT_HOME, &load);
+        }
+        let error = plant.position - load.force / FIRM_GRIP.stiffness;
+        assert!(error.length() < 1e-6, "{error} m");
+        let turn = turn_between(Quat::IDENTITY, plant.rotation);
+        let error = turn - load.torque / FIRM_GRIP.spin_stiffness;
+        assert!(error.length() < 1e-4, "{error} rad");
+    }
+
+    #[test]
+    fn the_brake_slows_a_push() {
+        let slow = |braked| {
+            let mut plant = Plant::new(&PREMIUM15, FIRM_GRIP);
+            plant.velocity = Vec3::X;
+            for _ in 0..80 {
+                plant.step(
+                    &AT_HOME,
+                    &Load {
+                        braked,
+                        ..Load::default()
+                    },
+                );
+            }
+            plant.velocity.length()
+        };
+        assert!(slow(true) < 0.8 * slow(false));
+    }
+
+    #[test]
+    fn encoders_read_in_steps_and_are_off_by_half_a_step_at_most() {
+        let encoders = Encoders::of(&PREMIUM15);
+        for i in 0..2000 {
+            let x = i as f32 * 1.7e-6;
+            let turn = Vec3::new(0.0, i as f32 * 1e-4, -0.1);
+            let (position, rotation) =
+                encoders.read(Vec3::new(x, -x, 0.0), Quat::from_scaled_axis(turn));
+            let steps = position.x / encoders.step;
+            assert!((steps - steps.round()).abs() < 1e-3, "{steps}");
+            assert!((position.x - x).abs() <= 0.501 * encoders.step);
+            assert_eq!(position.y.to_bits(), (-position.x).to_bits());
+            let error = turn_between(Quat::from_scaled_axis(turn), rotation).length();
+            assert!(error < encoders.spin_step, "{error} rad");
+        }
+    }
+}
