@@ -1,6 +1,12 @@
 //! The last stage: what leaves a tick is finite, bounded, and changes no faster than stated.
 
+use glam::Vec3;
+
 use crate::error::{Invalid, require};
+use crate::frames::World;
+use crate::math::{max, min, root};
+use crate::report::Flags;
+use crate::wrench::Wrench;
 
 /// Limits of the last stage. A limit of `f32::INFINITY` is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,5 +40,95 @@ impl GuardSpec {
         positive("guard.max_force_rate [N/s]", self.max_force_rate)?;
         positive("guard.max_torque_rate [N m/s]", self.max_torque_rate)?;
         require((0.0..=60.0).contains(&self.ramp_in), "guard.ramp_in", self.ramp_in, "0 to 60 s")
+    }
+}
+
+/// Memory of the last stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GuardState {
+    /// Last wrench that left.
+    pub wrench: Wrench<World>,
+    /// Share of the wrench let through, 0..1; below 1 only after a start inside the object.
+    pub ramp: f32,
+}
+
+impl GuardState {
+    pub const START: Self = Self { wrench: Wrench::ZERO, ramp: 1.0 };
+}
+
+/// Makes a contact wrench fit for the device: finite, ramped, limited, slewed, in this order.
+pub(crate) fn guard(spec: &GuardSpec, state: &mut GuardState, contact: &Wrench<World>, dt: f32) -> (Wrench<World>, Flags) {
+    let mut flags = Flags::CLEAN;
+    let mut wanted = *contact;
+    if !wanted.is_finite() {
+        wanted = Wrench::ZERO;
+        flags |= Flags::NON_FINITE;
+    }
+    if state.ramp < 1.0 {
+        state.ramp = if spec.ramp_in > 0.0 { min(state.ramp + dt / spec.ramp_in, 1.0) } else { 1.0 };
+        wanted = Wrench::new(wanted.force * state.ramp, wanted.torque * state.ramp);
+        flags |= Flags::RAMPING_IN;
+    }
+    let force = limit(wanted.force, spec.max_force, Flags::FORCE_LIMITED, &mut flags);
+    let torque = limit(wanted.torque, spec.max_torque, Flags::TORQUE_LIMITED, &mut flags);
+    let last = state.wrench;
+    let force = last.force + limit(force - last.force, spec.max_force_rate * dt, Flags::FORCE_SLEWED, &mut flags);
+    let torque = last.torque + limit(torque - last.torque, spec.max_torque_rate * dt, Flags::TORQUE_SLEWED, &mut flags);
+    state.wrench = Wrench::new(force, torque);
+    (state.wrench, flags)
+}
+
+/// Shortens `v` to `largest`, direction kept. Scales first: the square of 1e30 is not finite.
+fn limit(v: Vec3, largest: f32, flag: Flags, flags: &mut Flags) -> Vec3 {
+    let component = max(v.x.abs(), max(v.y.abs(), v.z.abs()));
+    if component <= 0.0 || component * 2.0 <= largest {
+        return v;
+    }
+    let unit = v / component;
+    let length = component * root(unit.length_squared());
+    if length <= largest {
+        return v;
+    }
+    *flags |= flag;
+    unit * (largest / root(unit.length_squared()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPEC: GuardSpec =
+        GuardSpec { max_force: 8.0, max_torque: 0.2, max_force_rate: 1000.0, max_torque_rate: f32::INFINITY, ramp_in: 0.01 };
+
+    #[test]
+    fn directions_are_kept_and_each_limit_is_its_own() {
+        let mut state = GuardState::START;
+        let contact = Wrench::new(Vec3::new(30.0, 0.0, 40.0), Vec3::new(0.0, 0.1, 0.0));
+        let (first, flags) = guard(&SPEC, &mut state, &contact, 1.0e-3);
+        assert!((first.force - Vec3::new(0.6, 0.0, 0.8)).length() < 1.0e-5, "{first:?}");
+        assert_eq!(flags, Flags::FORCE_LIMITED | Flags::FORCE_SLEWED);
+        assert_eq!(first.torque, contact.torque);
+        for _ in 0..20 {
+            let _ = guard(&SPEC, &mut state, &contact, 1.0e-3);
+        }
+        assert!((state.wrench.force - Vec3::new(4.8, 0.0, 6.4)).length() < 1.0e-5);
+    }
+
+    #[test]
+    fn what_is_not_finite_becomes_zero_and_huge_values_keep_their_direction() {
+        let open = GuardSpec { max_force_rate: f32::INFINITY, ..SPEC };
+        let mut state = GuardState::START;
+        let (out, flags) = guard(&open, &mut state, &Wrench::new(Vec3::new(f32::NAN, 0.0, 1.0), Vec3::ZERO), 1.0e-3);
+        assert_eq!((out, flags), (Wrench::ZERO, Flags::NON_FINITE));
+        let (out, _) = guard(&open, &mut state, &Wrench::new(Vec3::new(3.0e37, 0.0, 4.0e37), Vec3::ZERO), 1.0e-3);
+        assert!((out.force - Vec3::new(4.8, 0.0, 6.4)).length() < 1.0e-4, "{out:?}");
+    }
+
+    #[test]
+    fn a_start_inside_is_ramped() {
+        let mut state = GuardState { ramp: 0.0, ..GuardState::START };
+        let contact = Wrench::new(Vec3::Z * 1.0, Vec3::ZERO);
+        let (out, flags) = guard(&SPEC, &mut state, &contact, 1.0e-3);
+        assert!((out.force.z - 0.1).abs() < 1.0e-5 && flags == Flags::RAMPING_IN, "{out:?} {flags:?}");
     }
 }

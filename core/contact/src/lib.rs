@@ -38,13 +38,16 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod body;
 mod error;
+mod footprint;
 mod frames;
 mod guard;
 mod limits;
 mod math;
 mod model;
 mod params;
+mod patch;
 mod report;
 mod scratch;
 mod state;
@@ -52,18 +55,21 @@ mod step;
 mod wrench;
 
 pub mod geometry;
-pub mod stage;
+pub mod profile;
+mod stage;
 pub mod tier;
 
 pub use error::Invalid;
-pub use frames::{Pose, World, ProbeFrame};
+pub use footprint::Footprint;
+pub use frames::{Pose, ProbeFrame, World};
 pub use glam::{Quat, Vec2, Vec3};
 pub use guard::GuardSpec;
 pub use limits::*;
 pub use model::{Compliance, Material, Model, ModelSpec, ObjectShape, ProbePart, ProbeShape};
 pub use params::{Breakaway, ForceLaw, Params, ParamsSpec, Tier};
+pub use patch::{Grip, Motion, Patch, Shift};
 pub use report::{Flags, PatchReport, Report};
 pub use scratch::Scratch;
 pub use state::State;
-pub use step::{Input, Output, step};
+pub use step::{Input, Output, patch_report, step};
 pub use wrench::Wrench;

@@ -13,14 +13,15 @@ pub const MAX_SAMPLES: usize = 1024;
 /// Fewest samples of a region: below it a turning path errs by more than the tier's stated bound.
 pub const MIN_SAMPLES: usize = 16;
 
-/// Largest distance of probe and object from the world origin [m]. At 1 km an f32 resolves 0.06 mm.
+/// Largest distance of probe and object from the world origin \[m\]. At 1 km an f32 resolves 0.06 mm.
 pub const MAX_DISTANCE: f32 = 1.0e3;
 
-/// Largest speed of the probe between two ticks [m/s]; a hand reaches 5 m/s, a device far less. A faster jump is a fault.
-pub const MAX_SPEED: f32 = 20.0;
+/// Largest speed of the probe between two ticks \[m/s\]. A hand reaches 5 m/s; ten times that is a fault of the device or the link.
+pub const MAX_SPEED: f32 = 50.0;
 
-/// Largest rate of turn between two ticks [rad/s]; a wrist reaches 40 rad/s.
-pub const MAX_TURN_RATE: f32 = 200.0;
+/// Largest rate of turn between two ticks \[rad/s\]. A wrist reaches 40 rad/s; at 1 kHz, half a turn per tick is where the sense of a
+/// turn becomes ambiguous (3100 rad/s), and a quarter turn is where a chord stops being an arc.
+pub const MAX_TURN_RATE: f32 = 1500.0;
 
 /// How far a quaternion's length may be from 1 before the pose is refused.
 pub const QUATERNION_TOLERANCE: f32 = 1.0e-3;

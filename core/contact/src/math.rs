@@ -1,0 +1,97 @@
+//! The only file that may name libm. One implementation of each function on every platform, so that bits agree.
+//!
+//! `min` and `max` are our own: the sign of `min(+0, -0)` differs between compilers.
+
+use glam::Vec3;
+
+pub(crate) use core::f32::consts::{FRAC_PI_2, PI};
+
+pub(crate) fn sqrt(x: f32) -> f32 {
+    libm::sqrtf(x)
+}
+
+/// Square root of what should not be negative: rounding below zero counts as zero.
+pub(crate) fn root(x: f32) -> f32 {
+    if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
+}
+
+pub(crate) fn asin(x: f32) -> f32 {
+    libm::asinf(clamp(x, -1.0, 1.0))
+}
+
+pub(crate) fn atan2(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
+}
+
+pub(crate) fn exp(x: f32) -> f32 {
+    libm::expf(x)
+}
+
+pub(crate) fn ln(x: f32) -> f32 {
+    libm::logf(x)
+}
+
+pub(crate) fn pow(x: f32, y: f32) -> f32 {
+    libm::powf(x, y)
+}
+
+pub(crate) fn sin(x: f32) -> f32 {
+    libm::sinf(x)
+}
+
+pub(crate) fn cos(x: f32) -> f32 {
+    libm::cosf(x)
+}
+
+pub(crate) fn floor(x: f32) -> f32 {
+    libm::floorf(x)
+}
+
+pub(crate) fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+pub(crate) fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+pub(crate) fn clamp(x: f32, low: f32, high: f32) -> f32 {
+    if x < low {
+        low
+    } else if x > high {
+        high
+    } else {
+        x
+    }
+}
+
+/// `x` to the power 1.5 for x >= 0.
+pub(crate) fn pow_3_2(x: f32) -> f32 {
+    x * root(x)
+}
+
+/// Componentwise clamp to the box of half edges `half`.
+pub(crate) fn clamp_to_box(p: Vec3, half: Vec3) -> Vec3 {
+    Vec3::new(clamp(p.x, -half.x, half.x), clamp(p.y, -half.y, half.y), clamp(p.z, -half.z, half.z))
+}
+
+/// Unit vector along `v`, or `fallback` where `v` has no direction. Scales first, so that neither 1e-30 nor 1e30 is lost.
+pub(crate) fn direction(v: Vec3, fallback: Vec3) -> Vec3 {
+    let largest = max(v.x.abs(), max(v.y.abs(), v.z.abs()));
+    if largest <= 0.0 || !largest.is_finite() {
+        return fallback;
+    }
+    let scaled = v / largest;
+    let length = sqrt(scaled.length_squared());
+    if length.is_finite() { scaled / length } else { fallback }
+}
+
+/// Any unit vector at right angles to the unit vector `n`; continuous in `n` but at n = -z.
+pub(crate) fn perpendicular(n: Vec3) -> Vec3 {
+    let seed = if n.x.abs() < 0.9 { Vec3::X } else { Vec3::Y };
+    direction(seed - n * seed.dot(n), Vec3::X)
+}
+
+pub(crate) fn cbrt(x: f32) -> f32 {
+    libm::cbrtf(x)
+}

@@ -270,7 +270,9 @@ fn check_part(part: &ProbePart) -> Result<(), Invalid> {
         ProbeShape::Sphere { radius } => check_length("probe.radius", radius)?,
         ProbeShape::Box { size } => check_lengths("probe.size", size)?,
         ProbeShape::Ellipsoid { semi_axes } => check_lengths("probe.semi_axes", semi_axes)?,
-        ProbeShape::Cylinder { radius, height } | ProbeShape::Cone { radius, height } | ProbeShape::Capsule { radius, height } => {
+        ProbeShape::Cylinder { radius, height }
+        | ProbeShape::Cone { radius, height }
+        | ProbeShape::Capsule { radius, height } => {
             check_length("probe.radius", radius)?;
             check_length("probe.height", height)?;
         }

@@ -3,6 +3,7 @@
 use crate::error::{Invalid, require};
 use crate::guard::GuardSpec;
 use crate::limits::{MAX_REGIONS, MAX_SAMPLES, MIN_SAMPLES};
+use crate::tier::bristle::Layout;
 
 /// Fidelity of the tangential force and the torsion, from fast to accurate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -116,6 +117,7 @@ pub struct Params {
     pub(crate) force_law: ForceLaw,
     pub(crate) gravity: bool,
     pub(crate) guard: GuardSpec,
+    pub(crate) layout: Layout,
 }
 
 impl Params {
@@ -128,12 +130,7 @@ impl Params {
         let mu_s = spec.friction_static.unwrap_or(mu_d);
         require((0.0..=10.0).contains(&mu_d), "friction.dynamic", mu_d, "0 to 10")?;
         require(mu_s >= mu_d && mu_s <= 10.0, "friction.static", mu_s, "friction.dynamic to 10")?;
-        require(
-            (0.0..=1.0e2).contains(&spec.region_distance),
-            "contact.region_distance",
-            spec.region_distance,
-            "0 to 1e2 m",
-        )?;
+        require((0.0..=1.0e2).contains(&spec.region_distance), "contact.region_distance", spec.region_distance, "0 to 1e2 m")?;
         let count = spec.max_regions as f32;
         require((1..=MAX_REGIONS).contains(&spec.max_regions), "contact.max_regions", count, "1 to 10")?;
         let samples = spec.samples as f32;
@@ -151,6 +148,7 @@ impl Params {
             force_law: spec.force_law,
             gravity: spec.gravity,
             guard: spec.guard,
+            layout: Layout::new(spec.samples),
         })
     }
 

@@ -43,8 +43,19 @@ impl Flags {
 
     /// Names of the bits, lowest first.
     pub const NAMES: [&'static str; 13] = [
-        "pose refused", "pose jump", "region refused", "force limited", "torque limited", "force slewed", "torque slewed",
-        "ramping in", "length floored", "large strain", "non-finite", "tier lowered", "birth waits",
+        "pose refused",
+        "pose jump",
+        "region refused",
+        "force limited",
+        "torque limited",
+        "force slewed",
+        "torque slewed",
+        "ramping in",
+        "length floored",
+        "large strain",
+        "non-finite",
+        "tier lowered",
+        "birth waits",
     ];
 
     /// True when every bit of `other` is set.

@@ -1,0 +1,46 @@
+//! What lives for one tick only.
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::footprint::Seat;
+
+/// A part that overlaps the object. Filled by stage 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Index of the part.
+    pub part: u8,
+    /// Centre of the patch, `p_wc` \[m\].
+    pub centre: Vec3,
+    /// Unit normal out of the object.
+    pub normal: Vec3,
+    /// Depth \[m\], above 0.
+    pub depth: f32,
+    /// Geometry the footprint needs.
+    pub seat: Seat,
+}
+
+/// Workspace of one tick. `CONTACTS` bounds the parts found in contact; 16 covers every probe.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch<const CONTACTS: usize> {
+    pub(crate) contacts: Vec<Contact, CONTACTS>,
+}
+
+impl<const CONTACTS: usize> Scratch<CONTACTS> {
+    /// An empty workspace.
+    pub const fn new() -> Self {
+        Self { contacts: Vec::new() }
+    }
+
+    /// Forgets the previous tick. In debug builds the old contacts are overwritten with NaN first, so that a stage that read
+    /// them would be found at once.
+    pub(crate) fn poison(&mut self) {
+        if cfg!(debug_assertions) {
+            for contact in &mut self.contacts {
+                contact.centre = Vec3::NAN;
+                contact.depth = f32::NAN;
+            }
+        }
+        self.contacts.clear();
+    }
+}

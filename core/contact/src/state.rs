@@ -1,1 +1,70 @@
 //! What survives a tick.
+
+use glam::Vec2;
+use heapless::Vec;
+
+use crate::frames::{Pose, ProbeFrame, World};
+use crate::guard::GuardState;
+use crate::patch::Patch;
+use crate::tier::bristle::Bristle;
+use crate::wrench::Wrench;
+
+/// Memory of a session: patches with their stick, samples, the guard's last wrench, counters.
+///
+/// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles of one patch.
+#[derive(Clone, Debug)]
+pub struct State<const PATCHES: usize, const SAMPLES: usize> {
+    pub(crate) memory: Memory,
+    pub(crate) patches: Vec<Patch, PATCHES>,
+    pub(crate) samples: [[Bristle; SAMPLES]; PATCHES],
+}
+
+/// The part of the state whose size does not depend on capacities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Memory {
+    /// Last accepted pose; `None` before the first tick.
+    pub last_pose: Option<Pose<World, ProbeFrame>>,
+    /// Time since it \[s\].
+    pub since_last_pose: f32,
+    /// Last contact wrench.
+    pub contact: Wrench<World>,
+    pub guard: GuardState,
+    /// Serial number of the next birth.
+    pub next_serial: u32,
+    pub refused: u32,
+    pub poses_refused: u32,
+    pub high_water: u8,
+}
+
+impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
+    /// A state without history.
+    pub const fn new() -> Self {
+        const { assert!(PATCHES >= 1 && PATCHES <= crate::limits::MAX_PARTS) };
+        const { assert!(SAMPLES >= crate::limits::MIN_SAMPLES && SAMPLES <= crate::limits::MAX_SAMPLES) };
+        Self {
+            memory: Memory {
+                last_pose: None,
+                since_last_pose: 0.0,
+                contact: Wrench::ZERO,
+                guard: GuardState::START,
+                next_serial: 0,
+                refused: 0,
+                poses_refused: 0,
+                high_water: 0,
+            },
+            patches: Vec::new(),
+            samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],
+        }
+    }
+
+    /// The patches in contact, oldest first.
+    pub fn patches(&self) -> &[Patch] {
+        &self.patches
+    }
+}
+
+impl<const PATCHES: usize, const SAMPLES: usize> Default for State<PATCHES, SAMPLES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,7 +1,20 @@
 //! One tick: seven stages in order.
+//!
+//! **Words.** *gap*: signed distance, negative = penetration. *Contact*: a part of the probe that overlaps the object in this tick.
+//! *Patch*: a contact that is followed from tick to tick. *Region*: patches closer than `region_distance`. *Anchor*: where a patch
+//! sticks. *Grip*: what friction holds. *Wrench*: force and torque on the probe about its mass centre, in world.
 
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::report::Report;
+use crate::guard::guard;
+use crate::limits::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE, QUATERNION_TOLERANCE};
+use crate::math::{atan2, root};
+use crate::model::Model;
+use crate::params::Params;
+use crate::patch::Patch;
+use crate::report::{Flags, PatchReport, Report};
+use crate::scratch::Scratch;
+use crate::stage::{detect, force, regions, torque, wrench};
+use crate::state::{Memory, State};
 use crate::wrench::Wrench;
 
 /// What a tick is given.
@@ -22,4 +35,108 @@ pub struct Output {
     pub contact: Wrench<World>,
     /// What was clamped, refused or lowered.
     pub report: Report,
+}
+
+/// Runs one tick. Cannot fail, cannot panic, reads no clock; its work is bounded by the probe's parts and the samples.
+pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
+    model: &Model<'_>,
+    params: &Params,
+    state: &mut State<PATCHES, SAMPLES>,
+    scratch: &mut Scratch<CONTACTS>,
+    input: Input,
+) -> Output {
+    scratch.poison();
+    let State { memory, patches, samples } = state;
+    let (now, mut flags) = accept(memory, &input);
+    let Some(now) = now else { return refused(params, memory, patches, input.dt, flags) };
+    let first = memory.last_pose.is_none();
+
+    let left_out = detect::detect(model, &now, &mut scratch.contacts);
+    flags |= count_left_out(memory, left_out);
+    flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
+    flags |= force::press(model, params, &scratch.contacts, patches);
+    flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now);
+    memory.contact = wrench::total(model, params, patches, &now);
+    memory.last_pose = Some(now);
+    if first && !patches.is_empty() {
+        memory.guard.ramp = 0.0;
+    }
+    finish(params, memory, patches, memory.contact, input.dt, flags)
+}
+
+/// Checks the pose and normalises it; `None` keeps the last good state.
+fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>>, Flags) {
+    let Input { pose, dt } = *input;
+    let norm = root(pose.rotation.length_squared());
+    let sound = pose.position.is_finite()
+        && pose.position.length() <= MAX_DISTANCE
+        && (norm - 1.0).abs() <= QUATERNION_TOLERANCE
+        && dt > 0.0
+        && dt.is_finite();
+    if !sound {
+        return (None, Flags::POSE_REFUSED);
+    }
+    memory.since_last_pose += dt;
+    if memory.last_pose.is_some_and(|last| is_jump(&last, &pose, memory.since_last_pose)) {
+        return (None, Flags::POSE_REFUSED | Flags::POSE_JUMP);
+    }
+    memory.since_last_pose = 0.0;
+    (Some(Pose::new(pose.position, pose.rotation * (1.0 / norm))), Flags::CLEAN)
+}
+
+fn is_jump(last: &Pose<World, ProbeFrame>, next: &Pose<World, ProbeFrame>, time: f32) -> bool {
+    let q = next.rotation * last.rotation.conjugate();
+    let sine = root(q.x * q.x + q.y * q.y + q.z * q.z);
+    (next.position - last.position).length() > MAX_SPEED * time || 2.0 * atan2(sine, q.w.abs()) > MAX_TURN_RATE * time
+}
+
+fn count_left_out(memory: &mut Memory, left_out: u32) -> Flags {
+    memory.refused = memory.refused.saturating_add(left_out);
+    if left_out > 0 { Flags::REGION_REFUSED } else { Flags::CLEAN }
+}
+
+/// A refused pose keeps the contact as it was; what the device gets fades to zero at the guard's rates.
+fn refused(params: &Params, memory: &mut Memory, patches: &[Patch], dt: f32, flags: Flags) -> Output {
+    memory.poses_refused = memory.poses_refused.saturating_add(1);
+    let dt = if dt > 0.0 && dt.is_finite() { dt } else { 0.0 };
+    finish(params, memory, patches, Wrench::ZERO, dt, flags)
+}
+
+/// Stage 7, and the report.
+fn finish(params: &Params, memory: &mut Memory, patches: &[Patch], wanted: Wrench<World>, dt: f32, flags: Flags) -> Output {
+    let (wrench, guarded) = guard(&params.guard, &mut memory.guard, &wanted, dt);
+    if guarded.contains(Flags::NON_FINITE) {
+        memory.contact = Wrench::ZERO;
+    }
+    let report = report(params, memory, patches, flags | guarded);
+    Output { wrench, contact: memory.contact, report }
+}
+
+fn report(params: &Params, memory: &Memory, patches: &[Patch], flags: Flags) -> Report {
+    let deepest = patches.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+    Report {
+        tier: params.tier,
+        regions: regions::count(patches),
+        depth: deepest.map_or(0.0, |patch| patch.depth),
+        radius: deepest.map_or(0.0, |patch| patch.footprint.radius),
+        stick: deepest.map_or(1.0, |patch| patch.grip.stick),
+        flags,
+        refused: memory.refused,
+        poses_refused: memory.poses_refused,
+        high_water: memory.high_water,
+    }
+}
+
+/// What a viewer shows of one patch.
+pub fn patch_report(patch: &Patch) -> PatchReport {
+    PatchReport {
+        region: patch.region,
+        centre: patch.centre,
+        normal: patch.normal,
+        depth: patch.depth,
+        radius: patch.footprint.radius,
+        stick: patch.grip.stick,
+        force: wrench::patch_force(patch),
+        torque: wrench::patch_torque(patch),
+    }
 }

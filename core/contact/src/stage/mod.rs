@@ -1,0 +1,8 @@
+//! The stages of a tick, in the order `step` calls them.
+
+pub mod deform;
+pub mod detect;
+pub mod force;
+pub mod regions;
+pub mod torque;
+pub mod wrench;

@@ -1,0 +1,300 @@
+//! The footprint of one patch: radius, load and profile from depth and shape (PHYSICS 3.1; theory.md, section 3).
+
+use glam::Vec3;
+
+use crate::World;
+use crate::frames::Pose;
+use crate::geometry::curvature::{self, Curvature};
+use crate::geometry::deepest::{Deepest, PartFrame};
+use crate::geometry::gap::deepest_meaningful;
+use crate::geometry::slice::{Slice, slice};
+use crate::geometry::support::reach;
+use crate::math::{PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
+use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
+use crate::params::{FORCE_TABLE_LEN, ForceLaw};
+use crate::profile::FULLNESS_HERTZ;
+
+/// What the normal direction says about a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Contact radius a (of equal area where the patch is not round) \[m\].
+    pub radius: f32,
+    /// Normal force P \[N\].
+    pub load: f32,
+    /// Fullness of the pressure profile.
+    pub fullness: f32,
+    /// Small strain does not hold here.
+    pub large_strain: bool,
+}
+
+impl Footprint {
+    /// No contact.
+    pub const NONE: Self = Self { radius: 0.0, load: 0.0, fullness: FULLNESS_HERTZ, large_strain: false };
+}
+
+/// The constant geometry of a patch in one tick: what a footprint needs besides the depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seat {
+    shape: ProbeShape,
+    /// Direction into the object, in the part's frame.
+    d: Vec3,
+    /// Principal curvatures of the gap for smooth parts, larger first \[1/m\].
+    curvatures: (f32, f32),
+    /// Mean curvature of the object \[1/m\].
+    object_mean: f32,
+    /// Radius of the largest disc the object's face can offer \[m\].
+    widest: f32,
+    /// Depth beyond which figures mean nothing \[m\].
+    deepest_meaningful: f32,
+}
+
+impl Seat {
+    /// Geometry at the deepest point of `part`.
+    pub fn new(model: &Model<'_>, part: &ProbePart, x_wa: &Pose<World, PartFrame>, at: &Deepest) -> Self {
+        let n = at.gap.normal;
+        let e1 = perpendicular(n);
+        let e2 = n.cross(e1);
+        let object = curvature::of_object(&model.object, at.point, n, e1, e2);
+        let to_part = x_wa.rotation.conjugate();
+        let d = to_part * -n;
+        let of_part = match part.shape {
+            ProbeShape::Sphere { radius } => Curvature::isotropic(1.0 / radius),
+            ProbeShape::Ellipsoid { semi_axes } => curvature::of_ellipsoid(semi_axes, d, to_part * e1, to_part * e2),
+            _ => Curvature::default(),
+        };
+        Self {
+            shape: part.shape,
+            d,
+            curvatures: of_part.plus(object).principal(),
+            object_mean: object.mean(),
+            widest: widest_disc(&model.object, n),
+            deepest_meaningful: min(deepest_meaningful(&model.object), reach(&part.shape)),
+        }
+    }
+
+    fn is_smooth(&self) -> bool {
+        matches!(self.shape, ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. })
+    }
+
+    /// Mean radius of curvature of the object \[m\]; infinite on flat faces.
+    pub fn object_radius(&self) -> f32 {
+        if self.object_mean > 0.0 { 1.0 / self.object_mean } else { f32::INFINITY }
+    }
+
+    /// Centre of the patch in the part's frame, `None` where it is the deepest point itself.
+    pub fn centroid(&self, depth: f32) -> Option<Vec3> {
+        if self.is_smooth() {
+            return None;
+        }
+        let Slice { centroid, .. } = slice(&self.shape, self.d, depth);
+        Some(centroid + self.d * depth)
+    }
+
+    /// Footprint at `depth` > 0 \[m\].
+    pub fn footprint(&self, contact_modulus: f32, depth: f32) -> Footprint {
+        let depth_used = min(depth, self.deepest_meaningful);
+        let mut footprint = if self.is_smooth() {
+            smooth(self.curvatures, contact_modulus, depth_used)
+        } else {
+            self.sliced(contact_modulus, depth_used)
+        };
+        footprint.large_strain |= depth > self.deepest_meaningful;
+        footprint
+    }
+
+    /// Slice area and the depth it belongs to on a curved object, at slice height z.
+    fn geometric(&self, z: f32) -> (f32, f32) {
+        let area = slice(&self.shape, self.d, z).area;
+        (min(area, PI * self.widest * self.widest), z + 0.5 * self.object_mean * area / PI)
+    }
+
+    /// Slice height at which the total depth is `depth`.
+    fn slice_height(&self, depth: f32) -> f32 {
+        if self.object_mean <= 0.0 {
+            return depth;
+        }
+        let (mut low, mut high) = (0.0, depth);
+        for _ in 0..SLICE_STEPS {
+            let middle = 0.5 * (low + high);
+            if self.geometric(middle).1 < depth { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// P = 2 E* integral of a over depth, with a from the profile of equal slice area (theory.md, equations 3.6 to 3.9).
+    fn sliced(&self, contact_modulus: f32, depth: f32) -> Footprint {
+        let top = self.slice_height(depth);
+        let exponent = self.exponent(top);
+        let shrink = contact_over_slice(exponent);
+        let (mut integral, mut last) = (0.0, 0.0);
+        for (s, w) in GAUSS_DEPTH {
+            let z = top * s * s;
+            let (area, total) = self.geometric(z);
+            let radius = shrink * root(area / PI);
+            let slope = self.depth_slope(z, area, exponent);
+            integral += w * 2.0 * top * s * slope * radius;
+            last = total;
+        }
+        let radius = shrink * root(self.geometric(top).0 / PI);
+        debug_assert!(last >= 0.0);
+        let load = 2.0 * contact_modulus * integral;
+        let fullness = if radius > 0.0 { load / (2.0 * contact_modulus * radius * depth) } else { FULLNESS_HERTZ };
+        Footprint { radius, load, fullness, large_strain: false }
+    }
+
+    /// d(depth)/d(slice height).
+    fn depth_slope(&self, z: f32, area: f32, exponent: f32) -> f32 {
+        if self.object_mean <= 0.0 { 1.0 } else { 1.0 + self.object_mean * area / (PI * exponent * z) }
+    }
+
+    /// Local exponent n of depth over slice radius, from two slices.
+    fn exponent(&self, top: f32) -> f32 {
+        let (area, depth) = self.geometric(top);
+        let (half_area, half_depth) = self.geometric(0.5 * top);
+        let growth = 0.5 * ln(area / half_area);
+        let n = if growth > 0.0 { ln(depth / half_depth) / growth } else { LARGEST_EXPONENT };
+        if n.is_finite() { clamp(n, 1.0, LARGEST_EXPONENT) } else { LARGEST_EXPONENT }
+    }
+}
+
+/// Halvings that place the slice on a curved object: 2^-16 of the depth.
+const SLICE_STEPS: usize = 16;
+
+/// Exponent that stands for a flat punch: its footprint is a flat one's within 0.1 %.
+const LARGEST_EXPONENT: f32 = 1.0e4;
+
+/// Gauss rule on 0..1 for the square root of the depth share.
+const GAUSS_DEPTH: [(f32, f32); 4] =
+    [(0.069_431_84, 0.173_927_42), (0.330_009_48, 0.326_072_57), (0.669_990_5, 0.326_072_57), (0.930_568_16, 0.173_927_42)];
+
+/// a over the slice radius for f = A r^n: kappa^(-1/n), kappa = sqrt(pi) Gamma(n/2 + 1) / Gamma(n/2 + 1/2); 0.4 % at n = 1, less above.
+fn contact_over_slice(n: f32) -> f32 {
+    let x = 0.5 * n;
+    let ratio = x * x + 0.5 * x + 0.125;
+    exp(-(0.5 * ln(PI) + 0.25 * ln(ratio)) / n)
+}
+
+/// Radius of the disc with the area of the object's face \[m\].
+fn widest_disc(object: &ObjectShape, n: Vec3) -> f32 {
+    match *object {
+        ObjectShape::HalfSpace => f32::MAX,
+        ObjectShape::Box { size } => {
+            let area = n.z.abs() * size.x * size.y + n.y.abs() * size.x * size.z + n.x.abs() * size.y * size.z;
+            sqrt(area / PI)
+        }
+        ObjectShape::Sphere { radius } => radius,
+        ObjectShape::Ellipsoid { semi_axes } => semi_axes.max_element(),
+        ObjectShape::Cylinder { radius, height } => {
+            if n.z.abs() > 0.5 {
+                radius
+            } else {
+                sqrt(2.0 * radius * height / PI)
+            }
+        }
+    }
+}
+
+/// Largest a/R at which the true-sphere corrections hold (shared tables: a/R <= 0.35 is small strain).
+const SMALL_STRAIN: f32 = 0.35;
+
+/// Hertz with two curvatures and the true sphere's correction (theory.md, equations 3.1 to 3.5).
+fn smooth((k_large, k_small): (f32, f32), contact_modulus: f32, depth: f32) -> Footprint {
+    let k_small = max(k_small, k_large * LEAST_CURVATURE_RATIO);
+    let radius = 1.0 / sqrt(k_large * k_small);
+    let ratio = k_large / k_small;
+    let (f1, f2) = if ratio > 1.000_1 { elliptic(ratio) } else { (1.0, 1.0) };
+    let share = min(depth / radius, 1.0);
+    let depth_scaled = depth / f2;
+    let hertz_radius = root(radius * depth_scaled) * f1;
+    let load = 4.0 / 3.0 * contact_modulus * sqrt(radius) * pow_3_2(depth_scaled);
+    let a = hertz_radius * (1.0 - share / 6.0);
+    Footprint { radius: a, load: load * (1.0 - share / 10.0), fullness: FULLNESS_HERTZ, large_strain: a > SMALL_STRAIN * radius }
+}
+
+/// A line contact is treated as one of this curvature ratio: beyond it the ellipse is longer than any body here.
+const LEAST_CURVATURE_RATIO: f32 = 1.0e-4;
+
+/// Factors F1 (radius) and F2 (depth) of an elliptic contact with curvature ratio R'/R'' >= 1: c = F1 (3PR/4E*)^(1/3) and
+/// delta = F2 (9P^2/16 E*^2 R)^(1/3), fits of Johnson, Contact Mechanics, section 4.2 (c = sqrt(ab), R = sqrt(R'R'')).
+fn elliptic(ratio: f32) -> (f32, f32) {
+    let f1 = 1.0 - pow(pow(ratio, 0.0602) - 1.0, 1.456);
+    let f2 = 1.0 - pow(pow(ratio, 0.0684) - 1.0, 1.531);
+    (max(f1, 0.2), max(f2, 0.2))
+}
+
+/// Load of an explicit force law at `depth`, `None` where the footprint decides.
+pub fn law_load(law: &ForceLaw, depth: f32) -> Option<f32> {
+    match *law {
+        ForceLaw::Hertz => None,
+        ForceLaw::Cubic { k1, k3 } => Some(k1 * depth + k3 * depth * depth * depth),
+        ForceLaw::Table { step, force } => {
+            let place = clamp(depth / step, 0.0, (FORCE_TABLE_LEN - 1) as f32);
+            let index = min(place, (FORCE_TABLE_LEN - 2) as f32) as usize;
+            Some(force[index] + (force[index + 1] - force[index]) * (place - index as f32))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const E_STAR: f32 = 4.0e6;
+
+    fn level(shape: ProbeShape, object_mean: f32) -> Seat {
+        let curvatures = (object_mean, object_mean);
+        Seat { shape, d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
+    }
+
+    fn near(a: f32, b: f32, relative: f32) -> bool {
+        (a - b).abs() <= relative * b.abs()
+    }
+
+    #[test]
+    fn a_flat_punch_gives_2_e_a_delta() {
+        let found = level(ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 0.0).footprint(E_STAR, 1.0e-3);
+        assert!(near(found.load, 2.0 * E_STAR * 0.01 * 1.0e-3, 2.0e-3) && near(found.radius, 0.01, 1.0e-3), "{found:?}");
+        assert!(near(found.fullness, 1.0, 1.0e-3));
+    }
+
+    #[test]
+    fn a_cone_gives_its_closed_form() {
+        let (radius, height, depth) = (0.02, 0.01, 1.0e-3);
+        let found = level(ProbeShape::Cone { radius, height }, 0.0).footprint(E_STAR, depth);
+        let tan = radius / height;
+        assert!(near(found.radius, 2.0 / PI * depth * tan, 5.0e-3), "{found:?}");
+        assert!(near(found.load, 2.0 / PI * E_STAR * depth * depth * tan, 1.0e-2), "{found:?}");
+        assert!(near(found.fullness, 0.5, 1.0e-2));
+    }
+
+    #[test]
+    fn a_round_end_sliced_is_hertz() {
+        let seat = level(ProbeShape::Capsule { radius: 0.02, height: 0.03 }, 0.0);
+        let found = seat.footprint(E_STAR, 1.0e-4);
+        let hertz = smooth((50.0, 50.0), E_STAR, 1.0e-4);
+        assert!(near(found.load, hertz.load, 1.0e-2) && near(found.radius, hertz.radius, 1.0e-2), "{found:?} {hertz:?}");
+    }
+
+    #[test]
+    fn a_flat_end_on_a_ball_is_hertz_with_the_balls_radius() {
+        let seat = level(ProbeShape::Cylinder { radius: 0.05, height: 0.04 }, 1.0 / 0.05);
+        let found = seat.footprint(E_STAR, 1.0e-4);
+        assert!(found.load > 0.0 && found.load.is_finite());
+    }
+
+    #[test]
+    fn a_crossed_pair_of_cylinders_is_the_ball() {
+        let ball = smooth((50.0, 50.0), E_STAR, 1.0e-3);
+        let ellipse = smooth((100.0, 25.0), E_STAR, 1.0e-3);
+        assert!(near(ellipse.load, ball.load * 1.043, 0.03), "{ellipse:?} {ball:?}");
+    }
+
+    #[test]
+    fn sphere_against_the_exact_solution() {
+        // Sneddon: R = 20 mm, E = 3 MPa, nu = 0.5, depth 1 mm and 5 mm
+        for (depth, load, radius) in [(1.0e-3, 23.7321, 0.004_434_84), (5.0e-3, 260.01, 0.009_587)] {
+            let found = smooth((50.0, 50.0), E_STAR, depth);
+            assert!(near(found.load, load, 3.0e-3) && near(found.radius, radius, 5.0e-3), "{found:?}");
+        }
+    }
+}

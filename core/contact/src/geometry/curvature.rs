@@ -1,0 +1,98 @@
+//! Curvature of smooth surfaces, as a symmetric form on the tangent plane.
+
+use glam::Vec3;
+
+use crate::geometry::gap;
+use crate::math::{max, root};
+use crate::model::ObjectShape;
+
+/// Second fundamental form in a tangent basis (e1, e2) \[1/m\]; positive = convex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curvature {
+    /// Along e1.
+    pub k11: f32,
+    /// Mixed.
+    pub k12: f32,
+    /// Along e2.
+    pub k22: f32,
+}
+
+impl Curvature {
+    /// The same in every direction.
+    pub const fn isotropic(k: f32) -> Self {
+        Self { k11: k, k12: 0.0, k22: k }
+    }
+
+    /// Sum of two bodies' curvatures: what the contact feels.
+    pub fn plus(self, other: Self) -> Self {
+        Self { k11: self.k11 + other.k11, k12: self.k12 + other.k12, k22: self.k22 + other.k22 }
+    }
+
+    /// Mean of the two principal curvatures \[1/m\].
+    pub fn mean(self) -> f32 {
+        0.5 * (self.k11 + self.k22)
+    }
+
+    /// Principal curvatures, larger first \[1/m\].
+    pub fn principal(self) -> (f32, f32) {
+        let half_difference = 0.5 * (self.k11 - self.k22);
+        let spread = root(half_difference * half_difference + self.k12 * self.k12);
+        (self.mean() + spread, self.mean() - spread)
+    }
+}
+
+/// Curvature of an ellipsoid of `semi_axes` where its outward normal is `n`, in the basis (e1, e2); all in the ellipsoid's frame.
+///
+/// The surface is F(x) = sum (x_i/a_i)^2 = 1, so that the form is u . diag(1/a^2) . v / |grad F / 2| (theory.md, section 2).
+pub fn of_ellipsoid(semi_axes: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+    let squares = semi_axes * semi_axes;
+    // the point with normal n is a_i^2 n_i / h with the support width h = sqrt(sum a_i^2 n_i^2); |grad F / 2| = 1 / h
+    let width = root((squares * n * n).element_sum());
+    let form = |u: Vec3, v: Vec3| width * (u * v / squares).element_sum();
+    Curvature { k11: form(e1, e1), k12: form(e1, e2), k22: form(e2, e2) }
+}
+
+/// Curvature of the object's surface where its outward normal is `n`, closest to the world point `p_wq`.
+pub fn of_object(object: &ObjectShape, p_wq: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+    match *object {
+        ObjectShape::HalfSpace | ObjectShape::Box { .. } => Curvature::default(),
+        ObjectShape::Sphere { radius } => Curvature::isotropic(1.0 / radius),
+        ObjectShape::Ellipsoid { semi_axes } => of_ellipsoid(semi_axes, n, e1, e2),
+        ObjectShape::Cylinder { radius, .. } => {
+            let axial = max(p_wq.z - gap::centre(object).z, 0.0);
+            let on_side = n.z.abs() < 0.5 || axial == 0.0;
+            if on_side { of_cylinder_side(radius, n, e1, e2) } else { Curvature::default() }
+        }
+    }
+}
+
+fn of_cylinder_side(radius: f32, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+    let hoop = Vec3::new(-n.y, n.x, 0.0);
+    let (c1, c2) = (hoop.dot(e1), hoop.dot(e2));
+    Curvature { k11: c1 * c1 / radius, k12: c1 * c2 / radius, k22: c2 * c2 / radius }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ellipsoid_top_and_flank() {
+        let a = Vec3::new(0.06, 0.05, 0.04);
+        let top = of_ellipsoid(a, Vec3::Z, Vec3::X, Vec3::Y);
+        assert!((1.0 / top.k11 - 0.09).abs() < 1.0e-6 && (1.0 / top.k22 - 0.0625).abs() < 1.0e-6);
+        let flank = of_ellipsoid(a, Vec3::X, Vec3::Y, Vec3::Z);
+        assert!((1.0 / flank.k11 - 0.0025 / 0.06).abs() < 1.0e-6);
+    }
+
+    #[test]
+    fn principal_curvatures_do_not_depend_on_the_basis() {
+        let a = Vec3::new(0.06, 0.05, 0.04);
+        let n = Vec3::new(0.48, 0.6, 0.64);
+        let e1 = crate::math::perpendicular(n);
+        let e2 = n.cross(e1);
+        let turned = of_ellipsoid(a, n, e1 * 0.6 + e2 * 0.8, e2 * 0.6 - e1 * 0.8).principal();
+        let straight = of_ellipsoid(a, n, e1, e2).principal();
+        assert!((turned.0 - straight.0).abs() < 1.0e-3 && (turned.1 - straight.1).abs() < 1.0e-3);
+    }
+}

@@ -1,0 +1,140 @@
+//! The deepest point of a convex probe part in a convex object.
+//!
+//! The signed distance to a convex object is convex, so over a convex part it has one least value, and the overlap of the two
+//! is connected: one part makes at most one contact. Spheres and the half space are closed forms; the rest is a bounded
+//! descent with a fixed number of steps (theory.md, section 2).
+
+use glam::Vec3;
+
+use crate::frames::Pose;
+use crate::geometry::gap::{self, Gap, gap};
+use crate::geometry::support::{closest, reach, support};
+use crate::math::{direction, root};
+use crate::model::{ObjectShape, ProbePart, ProbeShape};
+use crate::{ProbeFrame, World};
+
+/// Deepest point of one part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deepest {
+    /// The point on the part, `p_wq` \[m\].
+    pub point: Vec3,
+    /// Gap there: negative = penetration.
+    pub gap: Gap,
+}
+
+/// Marker of a part's own frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartFrame;
+
+/// Pose of a part in world.
+pub fn part_pose(part: &ProbePart, x_wp: &Pose<World, ProbeFrame>) -> Pose<World, PartFrame> {
+    x_wp.then(&Pose::new(part.position, part.rotation))
+}
+
+/// True when the part's bounding ball stays clear of the object: the cheap test that most ticks of most parts end with.
+pub fn is_clear(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> bool {
+    gap(object, x_wa.position).distance > reach(&part.shape)
+}
+
+/// Deepest point of `part`, whose frame stands at `x_wa`.
+pub fn deepest(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> Deepest {
+    match (*object, part.shape) {
+        (_, ProbeShape::Sphere { radius }) => of_ball(object, x_wa.position, radius),
+        (ObjectShape::HalfSpace, _) => at(object, support_in_world(part, x_wa, -Vec3::Z)),
+        (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
+        _ => descend(object, part, x_wa),
+    }
+}
+
+fn of_ball(object: &ObjectShape, centre: Vec3, radius: f32) -> Deepest {
+    let Gap { distance, normal } = gap(object, centre);
+    Deepest { point: centre - normal * radius, gap: Gap { distance: distance - radius, normal } }
+}
+
+fn of_part_in_ball(part: &ProbePart, x_wa: &Pose<World, PartFrame>, radius: f32) -> Deepest {
+    let centre = Vec3::Z * radius;
+    let point = closest_in_world(part, x_wa, centre);
+    let normal = direction(point - centre, Vec3::Z);
+    Deepest { point, gap: Gap { distance: root((point - centre).length_squared()) - radius, normal } }
+}
+
+fn at(object: &ObjectShape, point: Vec3) -> Deepest {
+    Deepest { point, gap: gap(object, point) }
+}
+
+fn support_in_world(part: &ProbePart, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
+    x_wa.point(support(&part.shape, x_wa.rotation.conjugate() * d_w))
+}
+
+fn closest_in_world(part: &ProbePart, x_wa: &Pose<World, PartFrame>, q_w: Vec3) -> Vec3 {
+    x_wa.point(closest(&part.shape, x_wa.rotation.conjugate() * (q_w - x_wa.position)))
+}
+
+/// Steps of the descent: the step length falls from 64 to 1/512 of the body size, by half each time.
+const DESCENT_STEPS: usize = 16;
+
+/// Projected descent on the gap, largest step first; keeps the best point seen. A long step lands on the support point, which is
+/// the answer on flat faces and corners; the short ones settle on curved bodies.
+fn descend(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> Deepest {
+    let size = reach(&part.shape) + object.height();
+    let mut here = at(object, closest_in_world(part, x_wa, gap::centre(object)));
+    let mut best = at(object, support_in_world(part, x_wa, -here.gap.normal));
+    if best.gap.distance > here.gap.distance {
+        core::mem::swap(&mut best, &mut here);
+    }
+    let mut length = 64.0 * size;
+    for _ in 0..DESCENT_STEPS {
+        let next = closest_in_world(part, x_wa, best.point - best.gap.normal * length);
+        let candidate = at(object, next);
+        if candidate.gap.distance < best.gap.distance {
+            best = candidate;
+        } else {
+            length *= 0.5;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    fn depth(object: ObjectShape, shape: ProbeShape, position: Vec3, rotation: Quat) -> f32 {
+        let part = ProbePart::at_origin(shape);
+        -deepest(&object, &part, &part_pose(&part, &Pose::new(position, rotation))).gap.distance
+    }
+
+    #[test]
+    fn depths_of_known_overlaps() {
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let ellipsoid = ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) };
+        let punch = ProbeShape::Cylinder { radius: 0.01, height: 0.04 };
+        let capsule = ProbeShape::Capsule { radius: 0.005, height: 0.03 };
+        let egg = ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.02, 0.03, 0.01) };
+        let upright = Quat::IDENTITY;
+        let cases = [
+            (cube, ProbeShape::Sphere { radius: 0.02 }, Vec3::new(0.0, 0.0, 0.119), upright, 0.001),
+            (cube, punch, Vec3::new(0.01, 0.0, 0.119), upright, 0.001),
+            (cube, capsule, Vec3::new(0.0, 0.0, 0.104), Quat::from_rotation_y(1.570_796_4), 0.001),
+            (cube, egg, Vec3::new(0.0, 0.0, 0.109), upright, 0.001),
+            (ellipsoid, egg, Vec3::new(0.0, 0.0, 0.089), upright, 0.001),
+            (ellipsoid, punch, Vec3::new(0.0, 0.0, 0.099), upright, 0.001),
+            (ObjectShape::HalfSpace, ProbeShape::Cone { radius: 0.01, height: 0.03 }, Vec3::Z * (0.0225 - 0.001), upright, 0.001),
+            (ObjectShape::Sphere { radius: 0.05 }, ProbeShape::Box { size: Vec3::splat(0.02) }, Vec3::Z * 0.109, upright, 0.001),
+            (ObjectShape::Cylinder { radius: 0.03, height: 0.1 }, capsule, Vec3::Z * 0.119, upright, 0.001),
+        ];
+        for (object, shape, position, rotation, expected) in cases {
+            let found = depth(object, shape, position, rotation);
+            assert!((found - expected).abs() < 2.0e-6, "{object:?} {shape:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_plate_wider_than_the_cube_rests_on_its_top() {
+        let plate = ProbeShape::Box { size: Vec3::new(0.3, 0.3, 0.01) };
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let found = depth(cube, plate, Vec3::Z * 0.1045, Quat::IDENTITY);
+        assert!((found - 0.0005).abs() < 1.0e-6, "{found}");
+    }
+}

@@ -1,0 +1,130 @@
+//! Signed distance from a point to the object's surface, and the surface's normal there.
+//!
+//! The distance to a convex set is a convex function of the point; negative inside. All objects here are convex.
+
+use glam::Vec3;
+
+use crate::geometry::ellipsoid;
+use crate::math::{direction, max, min, root};
+use crate::model::ObjectShape;
+
+/// Gap at a point: signed distance and the unit normal out of the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Signed distance \[m\]; negative = penetration.
+    pub distance: f32,
+    /// Unit outward normal of the closest surface point, in world.
+    pub normal: Vec3,
+}
+
+/// Gap of the world point `p_wq` \[m\] to the object.
+pub fn gap(object: &ObjectShape, p_wq: Vec3) -> Gap {
+    match *object {
+        ObjectShape::HalfSpace => Gap { distance: p_wq.z, normal: Vec3::Z },
+        ObjectShape::Box { size } => box_gap(0.5 * size, p_wq - Vec3::Z * (0.5 * size.z)),
+        ObjectShape::Sphere { radius } => sphere_gap(radius, p_wq - Vec3::Z * radius),
+        ObjectShape::Ellipsoid { semi_axes } => ellipsoid_gap(semi_axes, p_wq - Vec3::Z * semi_axes.z),
+        ObjectShape::Cylinder { radius, height } => cylinder_gap(radius, 0.5 * height, p_wq - Vec3::Z * (0.5 * height)),
+    }
+}
+
+/// The object's centre \[m\], world.
+pub fn centre(object: &ObjectShape) -> Vec3 {
+    match *object {
+        ObjectShape::HalfSpace => Vec3::ZERO,
+        ObjectShape::Box { .. } | ObjectShape::Sphere { .. } | ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. } => {
+            Vec3::Z * (0.5 * object.height())
+        }
+    }
+}
+
+fn sphere_gap(radius: f32, q: Vec3) -> Gap {
+    Gap { distance: root(q.length_squared()) - radius, normal: direction(q, Vec3::Z) }
+}
+
+fn box_gap(half: Vec3, q: Vec3) -> Gap {
+    let beyond = q.abs() - half;
+    let outside = Vec3::new(max(beyond.x, 0.0), max(beyond.y, 0.0), max(beyond.z, 0.0));
+    let sign = Vec3::new(side(q.x), side(q.y), side(q.z));
+    if outside == Vec3::ZERO {
+        return inside_box(beyond, sign);
+    }
+    Gap { distance: root(outside.length_squared()), normal: direction(outside * sign, Vec3::Z) }
+}
+
+/// Inside, the nearest face wins; ties go to z, then y, so that the top is stable.
+fn inside_box(beyond: Vec3, sign: Vec3) -> Gap {
+    if beyond.z >= beyond.x && beyond.z >= beyond.y {
+        Gap { distance: beyond.z, normal: Vec3::Z * sign.z }
+    } else if beyond.y >= beyond.x {
+        Gap { distance: beyond.y, normal: Vec3::Y * sign.y }
+    } else {
+        Gap { distance: beyond.x, normal: Vec3::X * sign.x }
+    }
+}
+
+fn side(x: f32) -> f32 {
+    if x < 0.0 { -1.0 } else { 1.0 }
+}
+
+fn cylinder_gap(radius: f32, half_height: f32, q: Vec3) -> Gap {
+    let planar = Vec3::new(q.x, q.y, 0.0);
+    let radial = direction(planar, Vec3::X);
+    let beyond_side = root(planar.length_squared()) - radius;
+    let beyond_end = q.z.abs() - half_height;
+    let axial = Vec3::Z * side(q.z);
+    if beyond_side <= 0.0 && beyond_end <= 0.0 {
+        return if beyond_end >= beyond_side {
+            Gap { distance: beyond_end, normal: axial }
+        } else {
+            Gap { distance: beyond_side, normal: radial }
+        };
+    }
+    let outside = radial * max(beyond_side, 0.0) + axial * max(beyond_end, 0.0);
+    Gap { distance: root(outside.length_squared()), normal: direction(outside, axial) }
+}
+
+fn ellipsoid_gap(semi_axes: Vec3, q: Vec3) -> Gap {
+    let foot = ellipsoid::closest_point(semi_axes, q);
+    let normal = ellipsoid::normal(semi_axes, foot);
+    let offset = q - foot;
+    let inside = (q / semi_axes).length_squared() < 1.0;
+    let distance = root(offset.length_squared());
+    Gap { distance: if inside { -distance } else { distance }, normal }
+}
+
+/// Largest depth for which the object's figures mean anything: half its smallest extent \[m\].
+pub fn deepest_meaningful(object: &ObjectShape) -> f32 {
+    match *object {
+        ObjectShape::HalfSpace => f32::MAX,
+        ObjectShape::Box { size } => 0.5 * min(size.x, min(size.y, size.z)),
+        ObjectShape::Sphere { radius } => radius,
+        ObjectShape::Ellipsoid { semi_axes } => min(semi_axes.x, min(semi_axes.y, semi_axes.z)),
+        ObjectShape::Cylinder { radius, height } => min(radius, 0.5 * height),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_distances() {
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let cases = [
+            (ObjectShape::HalfSpace, Vec3::new(3.0, 1.0, -0.5), -0.5, Vec3::Z),
+            (cube, Vec3::new(0.0, 0.0, 0.11), 0.01, Vec3::Z),
+            (cube, Vec3::new(0.01, 0.0, 0.099), -0.001, Vec3::Z),
+            (cube, Vec3::new(0.06, 0.0, 0.05), 0.01, Vec3::X),
+            (ObjectShape::Sphere { radius: 0.05 }, Vec3::new(0.0, 0.0, 0.12), 0.02, Vec3::Z),
+            (ObjectShape::Cylinder { radius: 0.02, height: 0.1 }, Vec3::new(0.0, 0.03, 0.05), 0.01, Vec3::Y),
+            (ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) }, Vec3::new(0.0, 0.0, 0.09), 0.01, Vec3::Z),
+            (ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) }, Vec3::new(0.059, 0.0, 0.04), -0.001, Vec3::X),
+        ];
+        for (object, point, distance, normal) in cases {
+            let found = gap(&object, point);
+            assert!((found.distance - distance).abs() < 1.0e-6, "{object:?} {point} {found:?}");
+            assert!((found.normal - normal).length() < 1.0e-4, "{object:?} {point} {found:?}");
+        }
+    }
+}

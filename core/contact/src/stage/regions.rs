@@ -1,0 +1,178 @@
+//! Stage 2: contacts -> patches that live on, are born or die, grouped into regions in birth order.
+//!
+//! A patch is followed from tick to tick by its part. At most one region is born per tick, the deepest first (the paper
+//! assumes regions form one by one). Patches whose rims are closer than `region_distance` form one region; the group is a
+//! label, each patch keeps its own friction, so that merging and splitting change no force.
+//!
+//! The rule of the eleventh region: the deepest are kept. A newcomer is refused and counted unless it is deeper than the
+//! shallowest region of one patch, which then gives way.
+
+use glam::{Quat, Vec3};
+use heapless::VecView;
+
+use crate::frames::{Pose, ProbeFrame, World};
+use crate::math::{atan2, max, min, root};
+use crate::params::Params;
+use crate::patch::{Motion, Patch, Shift};
+use crate::report::Flags;
+use crate::scratch::Contact;
+use crate::state::Memory;
+
+/// Updates the patches from this tick's contacts.
+pub fn track(
+    params: &Params,
+    memory: &mut Memory,
+    contacts: &[Contact],
+    patches: &mut VecView<Patch>,
+    now: &Pose<World, ProbeFrame>,
+) -> Flags {
+    let before = memory.last_pose.unwrap_or(*now);
+    patches.retain(|patch| contacts.iter().any(|contact| contact.part == patch.part));
+    for patch in patches.iter_mut() {
+        if let Some(contact) = contacts.iter().find(|contact| contact.part == patch.part) {
+            follow(patch, contact, &before, now);
+        }
+    }
+    let mut flags = bear(params, memory, contacts, patches);
+    group(params.region_distance, patches);
+    flags |= refuse(params.max_regions, memory, patches);
+    let regions = count(patches);
+    memory.high_water = if regions > memory.high_water { regions } else { memory.high_water };
+    flags
+}
+
+/// Moves a patch to its new place and measures the motion that took it there.
+fn follow(patch: &mut Patch, contact: &Contact, before: &Pose<World, ProbeFrame>, now: &Pose<World, ProbeFrame>) {
+    let (old_centre, turn) = (patch.centre, rotation_vector(now.rotation * before.rotation.conjugate()));
+    patch.carry_to(contact.centre, contact.normal);
+    patch.previous = patch.footprint;
+    patch.depth = contact.depth;
+    patch.object_radius = contact.seat.object_radius();
+    let moved = now.position - before.position;
+    let arm = 0.5 * ((old_centre - before.position) + (contact.centre - now.position));
+    let drag = patch.to_patch(moved + turn.cross(arm));
+    let step = Shift { drag, twist: turn.dot(contact.normal) };
+    let over_object = patch.to_patch(contact.centre - old_centre);
+    patch.motion = Motion { turn, step, rolled: rolled(over_object, over_object - drag) };
+    patch.total = patch.total + step;
+}
+
+/// Distance over which the patch left material of both bodies: the common part of its two paths.
+fn rolled(over_object: glam::Vec2, over_probe: glam::Vec2) -> f32 {
+    if over_object.dot(over_probe) <= 0.0 {
+        return 0.0;
+    }
+    min(root(over_object.length_squared()), root(over_probe.length_squared()))
+}
+
+/// Rotation vector of a unit quaternion \[rad\], shorter way; exactly zero when the quaternion is a product q q*.
+fn rotation_vector(q: Quat) -> Vec3 {
+    let v = Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 };
+    let sine = root(v.length_squared());
+    if sine < SMALL_SINE { v * 2.0 } else { v * (2.0 * atan2(sine, q.w.abs()) / sine) }
+}
+
+/// Below this half-angle sine, sin x = x to f32.
+const SMALL_SINE: f32 = 1.0e-4;
+
+/// At most one birth per tick, deepest first.
+fn bear(params: &Params, memory: &mut Memory, contacts: &[Contact], patches: &mut VecView<Patch>) -> Flags {
+    let unborn = |contact: &&Contact| patches.iter().all(|patch| patch.part != contact.part);
+    let waiting = contacts.iter().filter(unborn).count();
+    let Some(deepest) = contacts.iter().filter(unborn).max_by(|a, b| a.depth.total_cmp(&b.depth)) else {
+        return Flags::CLEAN;
+    };
+    let flags = if waiting > 1 { Flags::BIRTH_WAITS } else { Flags::CLEAN };
+    if patches.is_full() || !has_room(params, deepest, patches) {
+        memory.refused = memory.refused.saturating_add(1);
+        return flags | Flags::REGION_REFUSED;
+    }
+    let mut patch = Patch::born(deepest.part, free_slot(patches), memory.next_serial, deepest.centre, deepest.normal);
+    patch.depth = deepest.depth;
+    patch.object_radius = deepest.seat.object_radius();
+    memory.next_serial = memory.next_serial.wrapping_add(1);
+    let _ = patches.push(patch);
+    flags
+}
+
+/// Room for a newcomer: below the region limit, or close to an existing region, or deeper than one that may give way.
+fn has_room(params: &Params, newcomer: &Contact, patches: &[Patch]) -> bool {
+    usize::from(count(patches)) < params.max_regions
+        || patches.iter().any(|patch| rim_distance(patch, newcomer.centre, 0.0) < params.region_distance)
+        || patches.iter().any(|patch| patch.depth < newcomer.depth)
+}
+
+fn free_slot(patches: &[Patch]) -> u8 {
+    let taken = |slot: u8| patches.iter().any(|patch| patch.slot == slot);
+    (0..=u8::MAX).find(|&slot| !taken(slot)).unwrap_or(0)
+}
+
+fn rim_distance(patch: &Patch, centre: Vec3, radius: f32) -> f32 {
+    root((patch.centre - centre).length_squared()) - patch.footprint.radius - radius
+}
+
+/// Labels patches by region. A patch joins the oldest patch it can reach through neighbours closer than `distance`.
+fn group(distance: f32, patches: &mut VecView<Patch>) {
+    for (index, patch) in patches.iter_mut().enumerate() {
+        patch.region = index as u8;
+    }
+    // labels only fall; the longest chain of neighbours has as many links as there are patches
+    for _ in 0..patches.len() {
+        let mut changed = false;
+        for i in 0..patches.len() {
+            for j in 0..i {
+                changed |= join(distance, patches, i, j);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    number_from_zero(patches);
+}
+
+fn join(distance: f32, patches: &mut [Patch], i: usize, j: usize) -> bool {
+    let (a, b) = (patches[i], patches[j]);
+    if a.region == b.region || rim_distance(&a, b.centre, b.footprint.radius) >= distance {
+        return false;
+    }
+    let label = if a.region < b.region { a.region } else { b.region };
+    patches[i].region = label;
+    patches[j].region = label;
+    true
+}
+
+/// Makes the labels 0, 1, 2, ... in birth order.
+fn number_from_zero(patches: &mut [Patch]) {
+    let mut next = 0;
+    for i in 0..patches.len() {
+        let label = patches[i].region;
+        if usize::from(label) == i {
+            patches[i].region = next;
+            next += 1;
+        } else {
+            patches[i].region = patches[usize::from(label)].region;
+        }
+    }
+}
+
+/// Number of regions.
+pub fn count(patches: &[Patch]) -> u8 {
+    patches.iter().map(|patch| patch.region + 1).max().unwrap_or(0)
+}
+
+/// Drops the shallowest region while there are too many.
+fn refuse(max_regions: usize, memory: &mut Memory, patches: &mut VecView<Patch>) -> Flags {
+    let regions = count(patches);
+    if usize::from(regions) <= max_regions {
+        return Flags::CLEAN;
+    }
+    let depth_of = |region: u8| patches.iter().filter(|p| p.region == region).fold(0.0, |deepest, p| max(deepest, p.depth));
+    let Some(shallowest) = (0..regions).min_by(|&a, &b| depth_of(a).total_cmp(&depth_of(b))) else { return Flags::CLEAN };
+    patches.retain(|patch| patch.region != shallowest);
+    for patch in patches.iter_mut() {
+        patch.region -= u8::from(patch.region > shallowest);
+    }
+    memory.refused = memory.refused.saturating_add(1);
+    Flags::REGION_REFUSED
+}

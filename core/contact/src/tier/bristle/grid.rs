@@ -1,0 +1,129 @@
+//! The polar grid of a patch, and how tractions move to a new one.
+//!
+//! Rings have equal width h and keep it while the contact radius a stays within a range of h, so that a growing contact enters
+//! new, free rings and a shrinking one leaves rings behind. When a leaves the range the grid is laid anew and the forces are
+//! shared out by overlap, so that force and torque of the patch are kept.
+
+use crate::math::{clamp, max, min};
+use crate::tier::bristle::ring::{MAX_RINGS, Rings};
+use crate::tier::bristle::{Bristle, Layout, MAX_AROUND};
+
+/// The grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grid {
+    /// Width of a ring \[m\]; 0 before the first load.
+    pub width: f32,
+    /// Contact radius the bristles were last fitted to \[m\].
+    pub radius: f32,
+}
+
+/// Rings in contact on a fresh grid, as a share of the layout's rings: room to grow by a quarter.
+const FRESH: f32 = 0.8;
+
+/// Fewest rings in contact, as a share of the layout's rings, before the grid is laid anew.
+const FEWEST: f32 = 0.6;
+
+impl Grid {
+    /// Lays the grid anew when `radius` has left its range.
+    pub fn fit(&mut self, layout: &Layout, radius: f32, bristles: &mut [Bristle]) {
+        let rings = layout.rings as f32;
+        if self.width <= 0.0 {
+            bristles.fill(Bristle::default());
+            self.width = radius / (FRESH * rings);
+        } else if radius > self.width * rings || radius < self.width * FEWEST * rings {
+            let width = radius / (FRESH * rings);
+            share_out(layout, self, width, bristles);
+            self.width = width;
+        }
+        self.radius = radius;
+    }
+}
+
+/// Moves every cell's force to the cells of the new grid that overlap it. The part beyond the last new ring is lost: it lies outside
+/// the contact, where the cap is zero.
+fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Bristle]) {
+    let before = moments(layout, grid.width, bristles);
+    let mut next = [Bristle::default(); MAX_RINGS * MAX_AROUND];
+    for k in 0..layout.rings {
+        let (inner, outer) = (grid.width * k as f32, min(grid.width * (k + 1) as f32, max(grid.radius, grid.width * k as f32)));
+        let area = outer * outer - inner * inner;
+        if area <= 0.0 {
+            continue;
+        }
+        let first = (inner / new_width) as usize;
+        for to in first..layout.rings {
+            let (low, high) = (max(inner, new_width * to as f32), min(outer, new_width * (to + 1) as f32));
+            if low >= high {
+                break;
+            }
+            let share = (high * high - low * low) / area;
+            for j in 0..layout.around {
+                hand_over(layout, (k, to, j), share, bristles[k * layout.around + j], &mut next);
+            }
+        }
+    }
+    let used = layout.rings * layout.around;
+    bristles[..used].copy_from_slice(&next[..used]);
+    restore_torque(layout, new_width, before, bristles);
+}
+
+/// Rings of other parity stand half a step aside: their two nearest cells take half each.
+fn hand_over(layout: &Layout, (from, to, j): (usize, usize, usize), share: f32, cell: Bristle, next: &mut [Bristle]) {
+    let around = layout.around;
+    let mut give = |j: usize, share: f32| {
+        let target = &mut next[to * around + j % around];
+        target.force += cell.force * share;
+        target.slipped = max(target.slipped, cell.slipped);
+    };
+    match (from & 1, to & 1) {
+        (0, 1) => {
+            give(j, 0.5 * share);
+            give(j + around - 1, 0.5 * share);
+        }
+        (1, 0) => {
+            give(j, 0.5 * share);
+            give(j + 1, 0.5 * share);
+        }
+        _ => give(j, share),
+    }
+}
+
+/// Torque about the centre with every cell's force at the middle of its ring \[N m\].
+fn moments(layout: &Layout, width: f32, bristles: &[Bristle]) -> f32 {
+    let mut torque = 0.0;
+    for k in 0..layout.rings {
+        for j in 0..layout.around {
+            torque += middle(width, k) * layout.direction(k, j).perp_dot(bristles[k * layout.around + j].force);
+        }
+    }
+    torque
+}
+
+fn middle(width: f32, k: usize) -> f32 {
+    width * (k as f32 + 0.5)
+}
+
+/// Turns the lost or gained torque back in as a hoop force that grows with the radius.
+fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bristle]) {
+    let missing = before - moments(layout, width, bristles);
+    let arms: f32 = (0..layout.rings).map(|k| middle(width, k) * middle(width, k)).sum::<f32>() * layout.around as f32;
+    for k in 0..layout.rings {
+        for j in 0..layout.around {
+            let hoop = layout.direction(k, j).perp();
+            bristles[k * layout.around + j].force += hoop * (missing * middle(width, k) / arms);
+        }
+    }
+}
+
+/// Takes away the traction that rolled out of the contact, and what lies outside it.
+pub fn thin(layout: &Layout, rings: &Rings, bristles: &mut [Bristle], kept: f32) {
+    let kept = clamp(kept, 0.0, 1.0);
+    if kept < 1.0 {
+        for bristle in &mut bristles[..rings.len() * layout.around] {
+            bristle.force *= kept;
+        }
+    }
+    for bristle in &mut bristles[rings.len() * layout.around..layout.rings * layout.around] {
+        *bristle = Bristle::default();
+    }
+}

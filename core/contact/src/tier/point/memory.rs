@@ -1,0 +1,172 @@
+//! Reversal memory of a hysteretic curve: Masing's rule with return points, in the plane (drag) or on a line (twist).
+//!
+//! The first entry is where the fresh curve starts; each reversal pushes a turning point, from which the curve runs with doubled
+//! scale. A branch that comes back to where the previous one began forgets both (Madelung's rules); full slip forgets all.
+
+use glam::Vec2;
+
+use crate::math::{min, root};
+use crate::tier::point::curve::Curve;
+
+/// Turning points kept. A hand turns back inside a shrinking loop two or three times; more are folded into the last.
+const TURNS: usize = 8;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Turn {
+    at: Vec2,
+    load: Vec2,
+}
+
+/// The memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory {
+    turns: [Turn; TURNS],
+    len: usize,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self { turns: [Turn::default(); TURNS], len: 1 }
+    }
+}
+
+impl Memory {
+    fn last(&self) -> Turn {
+        self.turns[self.len - 1]
+    }
+
+    /// 1 on the fresh curve, 2 after a reversal.
+    fn scale(&self, index: usize) -> f32 {
+        if index == 0 { 1.0 } else { 2.0 }
+    }
+
+    /// Load at displacement `at` on the present branch.
+    pub fn load(&self, curve: &Curve, at: Vec2) -> Vec2 {
+        let (turn, scale) = (self.last(), self.scale(self.len - 1));
+        let (distance, along) = polar(at - turn.at);
+        let load = turn.load + along * (scale * curve.load(min(distance / scale, curve.reach())));
+        let (size, direction) = polar(load);
+        if size > curve.full() { direction * curve.full() } else { load }
+    }
+
+    /// Stuck share of the area at displacement `at`.
+    pub fn stick(&self, curve: &Curve, at: Vec2) -> f32 {
+        let scale = self.scale(self.len - 1);
+        let c = curve.stick_radius(polar(at - self.last().at).0 / scale);
+        c * c
+    }
+
+    /// Follows the displacement from `from` to `to`.
+    pub fn advance(&mut self, curve: &Curve, from: Vec2, to: Vec2) {
+        if (to - from).dot(from - self.last().at) < 0.0 {
+            self.push(Turn { at: from, load: self.load(curve, from) });
+        }
+        self.close_loops(to);
+        self.forget_beyond_full_slip(curve, to);
+    }
+
+    fn push(&mut self, turn: Turn) {
+        if self.len < TURNS {
+            self.len += 1;
+        }
+        self.turns[self.len - 1] = turn;
+    }
+
+    fn close_loops(&mut self, to: Vec2) {
+        for _ in 0..TURNS {
+            if self.len < 2 {
+                return;
+            }
+            let (previous, last) = (self.turns[self.len - 2], self.last());
+            let swing = polar(last.at - previous.at).0;
+            let mirrored = self.len == 2;
+            let needed = if mirrored { 2.0 * swing } else { swing };
+            if polar(to - last.at).0 < needed {
+                return;
+            }
+            self.len -= if mirrored { 1 } else { 2 };
+        }
+    }
+
+    fn forget_beyond_full_slip(&mut self, curve: &Curve, to: Vec2) {
+        let scale = self.scale(self.len - 1);
+        let (distance, along) = polar(to - self.last().at);
+        if distance >= scale * curve.reach() {
+            self.len = 1;
+            self.turns[0] = Turn { at: to - along * curve.reach(), load: Vec2::ZERO };
+        }
+    }
+
+    /// Fits the memory to a new curve so that displacement `at` carries `load`: when load or radius of the patch change, what was held
+    /// stays held as far as friction allows, and turning points keep their loads.
+    pub fn rebuild(&mut self, curve: &Curve, at: Vec2, load: Vec2) {
+        let held = |load: Vec2| {
+            let (size, direction) = polar(load);
+            if size > curve.full() { direction * curve.full() } else { load }
+        };
+        let (mut at, mut load) = (at, held(load));
+        for index in (0..self.len).rev() {
+            let turn_load = if index == 0 { Vec2::ZERO } else { held(self.turns[index].load) };
+            let scale = self.scale(index);
+            let (size, along) = polar(load - turn_load);
+            at -= along * (scale * curve.inverse(size / scale));
+            self.turns[index] = Turn { at, load: turn_load };
+            load = turn_load;
+        }
+    }
+}
+
+/// Length and direction; the direction of nothing is nothing.
+fn polar(v: Vec2) -> (f32, Vec2) {
+    let length = root(v.length_squared());
+    if length > 0.0 { (length, v / length) } else { (0.0, Vec2::ZERO) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CURVE: Curve = Curve::Drag { full: 1.0, reach: 1.0, fullness: 2.0 / 3.0 };
+
+    fn walk(path: &[f32]) -> f32 {
+        let mut memory = Memory::default();
+        let mut here = 0.0;
+        for &goal in path {
+            for step in 1..=100 {
+                let next = here + (goal - here) * step as f32 / 100.0;
+                let from = here + (goal - here) * (step - 1) as f32 / 100.0;
+                memory.advance(&CURVE, Vec2::X * from, Vec2::X * next);
+            }
+            here = goal;
+        }
+        memory.load(&CURVE, Vec2::X * here).x
+    }
+
+    #[test]
+    fn masing_loops_close() {
+        let cattaneo = |s: f32| 1.0 - (1.0 - s) * root(1.0 - s);
+        let cases: [(&[f32], f32); 6] = [
+            (&[0.5], cattaneo(0.5)),
+            (&[0.5, 0.0], cattaneo(0.5) - 2.0 * cattaneo(0.25)),
+            (&[0.5, -0.5], -cattaneo(0.5)),
+            (&[0.5, 0.2, 0.5], cattaneo(0.5)),
+            (&[0.5, 0.2, 0.7], cattaneo(0.7)),
+            (&[3.0, 1.0], -1.0),
+        ];
+        for (path, expected) in cases {
+            let found = walk(path);
+            assert!((found - expected).abs() < 1.0e-4, "{path:?}: {found} expected {expected}");
+        }
+    }
+
+    #[test]
+    fn a_rebuilt_memory_carries_the_same_load() {
+        let mut memory = Memory::default();
+        memory.advance(&CURVE, Vec2::ZERO, Vec2::X * 0.6);
+        memory.advance(&CURVE, Vec2::X * 0.6, Vec2::X * 0.4);
+        let load = memory.load(&CURVE, Vec2::X * 0.4);
+        let larger = Curve::Drag { full: 1.5, reach: 1.3, fullness: 2.0 / 3.0 };
+        memory.rebuild(&larger, Vec2::X * 0.4, load);
+        assert!((memory.load(&larger, Vec2::X * 0.4) - load).length() < 1.0e-5);
+    }
+}

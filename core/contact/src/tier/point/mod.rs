@@ -1,0 +1,141 @@
+//! Tier `point`: closed-form curves, one number per direction, constant cost.
+//!
+//! Drag follows Cattaneo's curve, twist Lubkin's, both with Masing's rule on reversal and return-point memory; the two are
+//! joined by the limit surface (Q/muP)^1.725 + (T/T_max)^1.725 <= 1 (theory.md, section 6.1).
+
+pub mod curve;
+pub mod memory;
+
+use glam::Vec2;
+
+use crate::math::{clamp, max, min, pow, root};
+use crate::patch::{Grip, Patch};
+use crate::tier::{Hold, rolled_away};
+use curve::Curve;
+use memory::Memory;
+
+/// Memory of one patch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PointMemory {
+    drag: Memory,
+    twist: Memory,
+    /// Share of the way from static to dynamic friction, 0 while the patch has not slid.
+    slid: f32,
+}
+
+/// Exponent of the limit surface: within 0.9 % of the exact surface for Hertz pressure.
+pub const LIMIT_EXPONENT: f32 = 1.725;
+
+/// Utilisation above which a patch counts as sliding as a whole. Twist reaches 1 only asymptotically.
+const GROSS_SLIP: f32 = 0.99;
+
+/// Advances the patch to `hold.target`.
+pub fn advance(hold: &Hold, patch: &mut Patch) {
+    if hold.load <= 0.0 || hold.radius <= 0.0 {
+        return let_go(hold, patch);
+    }
+    let mu = friction(hold, patch.point.slid);
+    let (drag, twist) = (Curve::drag(hold, mu), Curve::twist(hold, mu));
+    let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
+    let (force, torque) = (patch.grip.force * kept, Vec2::new(patch.grip.torque * kept, 0.0));
+    patch.point.drag.rebuild(&drag, patch.local.drag, force);
+    patch.point.twist.rebuild(&twist, Vec2::new(patch.local.twist, 0.0), torque);
+
+    let before = patch.local;
+    let force = pull(&drag, &mut patch.point.drag, &mut patch.local.drag, hold.target.drag, hold.body.drag);
+    let mut turned = Vec2::new(patch.local.twist, 0.0);
+    let torque = pull(&twist, &mut patch.point.twist, &mut turned, Vec2::new(hold.target.twist, 0.0), hold.body.twist);
+    patch.local.twist = turned.x;
+
+    let slid =
+        (patch.local.drag - before.drag).length() / drag.reach() + (patch.local.twist - before.twist).abs() / twist.slope_reach();
+    let (force, torque) = share_budget(&drag, &twist, patch, force, torque);
+    note_sliding(hold, patch, force.length() / drag.full(), torque.abs() / twist.full(), slid);
+    let stick = patch.point.drag.stick(&drag, patch.local.drag) * patch.point.twist.stick(&twist, turned);
+    patch.grip = Grip { force, torque, stick };
+}
+
+fn let_go(hold: &Hold, patch: &mut Patch) {
+    patch.point = PointMemory::default();
+    patch.local = hold.target;
+    patch.grip = Grip::default();
+}
+
+fn friction(hold: &Hold, slid: f32) -> f32 {
+    hold.mu_s - (hold.mu_s - hold.mu_d) * slid
+}
+
+/// Steps of the search for the local share of a shift: the bracket is a line, secants settle it to f32 in five.
+const SERIES_STEPS: usize = 6;
+
+/// Moves `local` towards `target` so that local + C load(local) = target, and returns the load there.
+fn pull(curve: &Curve, memory: &mut Memory, local: &mut Vec2, target: Vec2, compliance: f32) -> Vec2 {
+    let now = memory.load(curve, *local);
+    let rest = target - *local - now * compliance;
+    let length = root(rest.length_squared());
+    if length <= 0.0 {
+        return now;
+    }
+    let along = rest / length;
+    let share = if compliance > 0.0 { local_share(curve, memory, *local, now, rest, compliance) } else { 1.0 };
+    let next = *local + along * (share * length);
+    memory.advance(curve, *local, next);
+    *local = next;
+    memory.load(curve, next)
+}
+
+/// Share of `rest` that the contact takes, by regula falsi (Illinois) on a monotone residual.
+fn local_share(curve: &Curve, memory: &Memory, local: Vec2, now: Vec2, rest: Vec2, compliance: f32) -> f32 {
+    let length = root(rest.length_squared());
+    let along = rest / length;
+    let residual = |share: f32| {
+        let mut trial = *memory;
+        let next = local + rest * share;
+        trial.advance(curve, local, next);
+        (share - 1.0) + compliance * (trial.load(curve, next) - now).dot(along) / length
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut at_low, mut at_high) = (-1.0, max(residual(1.0), 0.0));
+    let mut share = 1.0;
+    for _ in 0..SERIES_STEPS {
+        if at_high - at_low <= f32::MIN_POSITIVE {
+            break;
+        }
+        share = clamp(low - at_low * (high - low) / (at_high - at_low), low, high);
+        let here = residual(share);
+        if here <= 0.0 {
+            (low, at_low, at_high) = (share, here, 0.5 * at_high);
+        } else {
+            (high, at_high, at_low) = (share, here, 0.5 * at_low);
+        }
+    }
+    share
+}
+
+/// One friction budget for sliding and spinning: beyond the limit surface both are scaled back, and the memories with them.
+fn share_budget(drag: &Curve, twist: &Curve, patch: &mut Patch, force: Vec2, torque: Vec2) -> (Vec2, f32) {
+    let used = pow(force.length() / drag.full(), LIMIT_EXPONENT) + pow(torque.x.abs() / twist.full(), LIMIT_EXPONENT);
+    if used <= 1.0 {
+        return (force, torque.x);
+    }
+    let scale = pow(used, -1.0 / LIMIT_EXPONENT);
+    let (force, torque) = (force * scale, torque * scale);
+    patch.point.drag.rebuild(drag, patch.local.drag, force);
+    patch.point.twist.rebuild(twist, Vec2::new(patch.local.twist, 0.0), torque);
+    (force, torque.x)
+}
+
+/// Follows the change from static to dynamic friction: at once when sharp, over one elastic reach when smooth, back when it sticks.
+fn note_sliding(hold: &Hold, patch: &mut Patch, drag_used: f32, twist_used: f32, slid: f32) {
+    if hold.mu_s <= hold.mu_d {
+        return;
+    }
+    let used = pow(drag_used, LIMIT_EXPONENT) + pow(twist_used, LIMIT_EXPONENT);
+    patch.point.slid = if used < GROSS_SLIP {
+        if used < 0.9 * GROSS_SLIP { 0.0 } else { patch.point.slid }
+    } else if hold.sharp {
+        1.0
+    } else {
+        min(patch.point.slid + slid, 1.0)
+    };
+}
