@@ -9,8 +9,7 @@ use std::vec::Vec;
 use glam::{Quat, Vec3};
 use haptor_wire::units::{newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit};
 use haptor_wire::{
-    FromDevice, HostHello, Mode, PROTOCOL_VERSION, PoseReport, SCHEMA_HASH, StreamDecoder,
-    ToDevice, WrenchCommand, encode_stream,
+    FromDevice, HostHello, Mode, PROTOCOL_VERSION, PoseReport, SCHEMA_HASH, StreamDecoder, ToDevice, WrenchCommand, encode_stream,
 };
 
 use crate::plant::{Encoders, FIRM_GRIP, Hand};
@@ -38,10 +37,7 @@ impl Wall {
     /// Force and torque on the ball about its centre, and its depth.
     fn press(&mut self, position: Vec3, rotation: Quat) -> (Vec3, Vec3, f32) {
         let depth = -position.z - CLEARANCE;
-        let (before, turned) = self
-            .last
-            .replace((position, rotation))
-            .unwrap_or((position, rotation));
+        let (before, turned) = self.last.replace((position, rotation)).unwrap_or((position, rotation));
         if depth <= 0.0 {
             self.drag = Vec3::ZERO;
             self.twist = 0.0;
@@ -83,17 +79,8 @@ fn frame(message: &ToDevice) -> Vec<u8> {
 }
 
 fn opening() -> Vec<u8> {
-    let hello = HostHello {
-        version: PROTOCOL_VERSION,
-        schema: SCHEMA_HASH,
-        period_us: 1000,
-    };
-    [
-        frame(&ToDevice::SetMode(Mode::Reset)),
-        frame(&ToDevice::Hello(hello)),
-        frame(&ToDevice::SetMode(Mode::Force)),
-    ]
-    .concat()
+    let hello = HostHello { version: PROTOCOL_VERSION, schema: SCHEMA_HASH, period_us: 1000 };
+    [frame(&ToDevice::SetMode(Mode::Reset)), frame(&ToDevice::Hello(hello)), frame(&ToDevice::SetMode(Mode::Force))].concat()
 }
 
 impl Host {
@@ -104,12 +91,7 @@ impl Host {
             decoder: StreamDecoder::new(),
             sent,
             seq: 0,
-            wall: Wall {
-                modulus,
-                drag: Vec3::ZERO,
-                twist: 0.0,
-                last: None,
-            },
+            wall: Wall { modulus, drag: Vec3::ZERO, twist: 0.0, last: None },
             felt: Vec::new(),
             flags: 0,
         }
@@ -170,19 +152,11 @@ fn run(preset: &Preset, hand: Hand, encoders: Encoders, late: usize, modulus: f3
 impl Run {
     /// Largest force.
     fn peak(&self) -> f32 {
-        self.host
-            .felt
-            .iter()
-            .map(|felt| felt.0.length())
-            .fold(0.0, f32::max)
+        self.host.felt.iter().map(|felt| felt.0.length()).fold(0.0, f32::max)
     }
 
     fn peak_torque(&self) -> f32 {
-        self.host
-            .felt
-            .iter()
-            .map(|felt| felt.1.length())
-            .fold(0.0, f32::max)
+        self.host.felt.iter().map(|felt| felt.1.length()).fold(0.0, f32::max)
     }
 
     /// Difference of largest and smallest normal force over a stretch of ticks.
@@ -208,11 +182,7 @@ fn the_demo_presses_0_4_mm_within_the_limits_and_does_not_buzz() {
     assert!((depth - 0.4e-3).abs() < 0.01e-3, "{depth} m");
     assert!((force.z - 6.0).abs() < 0.1, "{force} N");
     assert!(run.peak() < PREMIUM15.max_force, "{} N", run.peak());
-    assert!(
-        run.peak_torque() < PREMIUM15.max_torque,
-        "{} N m",
-        run.peak_torque()
-    );
+    assert!(run.peak_torque() < PREMIUM15.max_torque, "{} N m", run.peak_torque());
     for ripple in run.steady_ripples() {
         assert!(ripple < 1.5 * ONE_STEP, "{ripple} N");
     }
@@ -222,13 +192,7 @@ fn the_demo_presses_0_4_mm_within_the_limits_and_does_not_buzz() {
 #[test]
 fn the_loop_has_margin_in_delay_and_in_stiffness() {
     for (late, stiffer) in [(1, 1.0), (5, 1.0), (0, 4.0)] {
-        let run = run(
-            &PREMIUM15,
-            FIRM_GRIP,
-            Encoders::FINE,
-            late,
-            stiffer * RUBBER,
-        );
+        let run = run(&PREMIUM15, FIRM_GRIP, Encoders::FINE, late, stiffer * RUBBER);
         for ripple in run.steady_ripples() {
             let step = ONE_STEP * stiffer.powf(2.0 / 3.0);
             assert!(ripple < 1.5 * step, "{late} late, {stiffer} x: {ripple} N");
@@ -239,11 +203,7 @@ fn the_loop_has_margin_in_delay_and_in_stiffness() {
 
 #[test]
 fn a_light_grip_buzzes() {
-    let light = Hand {
-        mass: 0.1,
-        damping: 5.0,
-        ..FIRM_GRIP
-    };
+    let light = Hand { mass: 0.1, damping: 5.0, ..FIRM_GRIP };
     let run = run(&PREMIUM15, light, Encoders::FINE, 0, RUBBER);
     assert!(run.ripple(1150..1190) > 8.5);
     assert!(run.host.flags & PoseReport::FLAG_FORCE_CLAMPED != 0);
@@ -260,18 +220,8 @@ fn coarse_encoders_toggle_by_about_a_step() {
 fn a_device_without_torque_says_so_and_holds() {
     for preset in [OMEGA6, TOUCH] {
         let run = run(&preset, FIRM_GRIP, Encoders::FINE, 0, RUBBER);
-        assert_eq!(
-            run.host.flags,
-            PoseReport::FLAG_TORQUE_NOT_RENDERED,
-            "{}",
-            preset.name
-        );
+        assert_eq!(run.host.flags, PoseReport::FLAG_TORQUE_NOT_RENDERED, "{}", preset.name);
         assert_eq!(run.device.mode(), Mode::Force);
-        assert!(
-            run.peak() < preset.max_force,
-            "{}: {} N",
-            preset.name,
-            run.peak()
-        );
+        assert!(run.peak() < preset.max_force, "{}: {} N", preset.name, run.peak());
     }
 }

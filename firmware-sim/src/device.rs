@@ -2,10 +2,7 @@
 
 use glam::{Quat, Vec3};
 use haptor_wire::units::{metres_to_nm, un_to_newtons, unit_to_q30, unm_to_newton_metres};
-use haptor_wire::{
-    DecodeCounts, DeviceFault, FromDevice, Mode, StreamDecoder, ToDevice, encode_stream,
-    stream_bound,
-};
+use haptor_wire::{DecodeCounts, DeviceFault, FromDevice, Mode, StreamDecoder, ToDevice, encode_stream, stream_bound};
 
 use crate::logic::{Logic, Outbox, Rendered, Sensed, TICK_US};
 use crate::plant::{Encoders, Hand, Load, Plant};
@@ -32,10 +29,7 @@ impl TxBuf {
     /// An empty buffer.
     #[must_use]
     pub const fn new() -> Self {
-        Self {
-            bytes: heapless::Vec::new(),
-            dropped: 0,
-        }
+        Self { bytes: heapless::Vec::new(), dropped: 0 }
     }
 
     /// The bytes, in order; whole frames.
@@ -85,13 +79,7 @@ pub struct Device {
 impl Device {
     /// A device after power-up, its handle at the origin of `d`; `serial` is cut to 12 bytes.
     #[must_use]
-    pub fn new(
-        preset: &Preset,
-        serial: &str,
-        hand: Hand,
-        encoders: Encoders,
-        script: Script,
-    ) -> Self {
+    pub fn new(preset: &Preset, serial: &str, hand: Hand, encoders: Encoders, script: Script) -> Self {
         Self {
             decoder: StreamDecoder::new(),
             logic: Logic::new(preset.limits(serial)),
@@ -228,11 +216,7 @@ mod tests {
     }
 
     fn opening() -> Vec<u8> {
-        let hello = ToDevice::Hello(HostHello {
-            version: PROTOCOL_VERSION,
-            schema: SCHEMA_HASH,
-            period_us: 1000,
-        });
+        let hello = ToDevice::Hello(HostHello { version: PROTOCOL_VERSION, schema: SCHEMA_HASH, period_us: 1000 });
         [frame(&hello), frame(&ToDevice::SetMode(Mode::Force))].concat()
     }
 
@@ -308,10 +292,7 @@ mod tests {
     #[test]
     fn garbage_is_counted_and_changes_nothing() {
         let (mut device, mut tx) = (device(), TxBuf::new());
-        let garbage: Vec<u8> = (0..4000_u32)
-            .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)
-            .chain([0])
-            .collect();
+        let garbage: Vec<u8> = (0..4000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).chain([0]).collect();
         device.step(0, &garbage, &mut tx);
         assert_eq!(device.mode(), Mode::Reset);
         assert!(device.counts().rejected() > 5);

@@ -8,10 +8,7 @@
 /// Any unit, the same for both. Components must not be [`i32::MIN`] (not a number); refuse those first.
 #[must_use]
 pub fn shorten(vector: [i32; 3], limit: u32) -> ([i32; 3], bool) {
-    let squared: u64 = vector
-        .iter()
-        .map(|&c| u64::from(c.unsigned_abs()).pow(2))
-        .sum();
+    let squared: u64 = vector.iter().map(|&c| u64::from(c.unsigned_abs()).pow(2)).sum();
     let limit = u64::from(limit);
     if squared <= limit * limit {
         return (vector, false);
@@ -46,12 +43,7 @@ mod tests {
     #[test]
     fn beyond_it_the_direction_stays_and_the_length_is_the_limit() {
         let limit = 8_500_000;
-        for v in [
-            [20_000_000, 0, 0],
-            [0, -9_000_000, 1],
-            [8_000_000, 8_000_000, -8_000_000],
-            [i32::MAX, -i32::MAX, i32::MAX],
-        ] {
+        for v in [[20_000_000, 0, 0], [0, -9_000_000, 1], [8_000_000, 8_000_000, -8_000_000], [i32::MAX, -i32::MAX, i32::MAX]] {
             let (short, shortened) = shorten(v, limit);
             assert!(shortened);
             let (l, s) = (length(v), length(short));

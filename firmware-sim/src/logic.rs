@@ -14,8 +14,8 @@
 use haptor_wire::device::WATCHDOG_STEP_US;
 use haptor_wire::units::NOT_A_NUMBER;
 use haptor_wire::{
-    DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PROTOCOL_VERSION,
-    PoseReport, SCHEMA_HASH, ToDevice, WrenchCommand, check_device_version,
+    DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PROTOCOL_VERSION, PoseReport, SCHEMA_HASH, ToDevice,
+    WrenchCommand, check_device_version,
 };
 
 use crate::limits::{scale, shorten};
@@ -211,18 +211,10 @@ impl Logic {
         };
         self.until_report_us = 0;
         if self.mode != Mode::Brake {
-            self.mode = if self.session {
-                Mode::Idle
-            } else {
-                Mode::Reset
-            };
+            self.mode = if self.session { Mode::Idle } else { Mode::Reset };
         }
         if !self.session {
-            self.tell(
-                FaultCause::VersionMismatch,
-                i32::from(PROTOCOL_VERSION),
-                out,
-            );
+            self.tell(FaultCause::VersionMismatch, i32::from(PROTOCOL_VERSION), out);
         }
     }
 
@@ -269,8 +261,7 @@ impl Logic {
 
     /// Whether a command comes after the last accepted one, numbers wrapping.
     fn is_newer(&self, seq: u32) -> bool {
-        self.accepted
-            .is_none_or(|last| (seq.wrapping_sub(last) as i32) > 0)
+        self.accepted.is_none_or(|last| (seq.wrapping_sub(last) as i32) > 0)
     }
 
     fn take_wrench(&mut self, command: &WrenchCommand) {
@@ -332,10 +323,7 @@ impl Logic {
     /// The wrench held, then faded; zero in every mode but `Force`.
     fn render(&mut self) -> Rendered {
         if self.mode != Mode::Force {
-            return Rendered {
-                braked: self.mode == Mode::Brake,
-                ..Rendered::default()
-            };
+            return Rendered { braked: self.mode == Mode::Brake, ..Rendered::default() };
         }
         let share = self.fade_left;
         if self.hold_left_us > 0 {
@@ -409,11 +397,7 @@ impl Logic {
     }
 
     fn tell(&self, cause: FaultCause, detail: i32, out: &mut Outbox) -> DeviceFault {
-        let fault = DeviceFault {
-            cause,
-            seq: self.seq.wrapping_sub(1),
-            detail,
-        };
+        let fault = DeviceFault { cause, seq: self.seq.wrapping_sub(1), detail };
         out.send(FromDevice::Fault(fault));
         fault
     }

@@ -4,26 +4,16 @@ use std::vec::Vec;
 
 use haptor_wire::units::NOT_A_NUMBER;
 use haptor_wire::{
-    DeviceFault, FaultCause, FromDevice, HostHello, Mode, PROTOCOL_VERSION, PoseReport,
-    SCHEMA_HASH, ToDevice, WrenchCommand,
+    DeviceFault, FaultCause, FromDevice, HostHello, Mode, PROTOCOL_VERSION, PoseReport, SCHEMA_HASH, ToDevice, WrenchCommand,
 };
 
 use crate::logic::{FADE_TICKS, Limits, Logic, Outbox, Rendered, SESSION_TICKS, Sensed};
 use crate::preset::{PREMIUM15, TOUCH, WATCHDOG_TICKS};
 
-const HELLO: HostHello = HostHello {
-    version: PROTOCOL_VERSION,
-    schema: SCHEMA_HASH,
-    period_us: 1000,
-};
+const HELLO: HostHello = HostHello { version: PROTOCOL_VERSION, schema: SCHEMA_HASH, period_us: 1000 };
 
-const STILL: Sensed = Sensed {
-    position_nm: [1, 2, 3],
-    rotation_q30: [1 << 30, 0, 0, 0],
-    buttons: 0b10,
-    speed_um_s: 0,
-    spin_urad_s: 0,
-};
+const STILL: Sensed =
+    Sensed { position_nm: [1, 2, 3], rotation_q30: [1 << 30, 0, 0, 0], buttons: 0b10, speed_um_s: 0, spin_urad_s: 0 };
 
 struct Bench {
     logic: Logic,
@@ -34,12 +24,7 @@ struct Bench {
 
 impl Bench {
     fn new(limits: Limits) -> Self {
-        Self {
-            logic: Logic::new(limits),
-            outbox: Outbox::default(),
-            said: Vec::new(),
-            seq: 0,
-        }
+        Self { logic: Logic::new(limits), outbox: Outbox::default(), said: Vec::new(), seq: 0 }
     }
 
     fn in_force() -> Self {
@@ -67,13 +52,7 @@ impl Bench {
 
     fn wrench(&mut self, force_un: [i32; 3], torque_unm: [i32; 3], hold_us: u32) {
         self.seq += 1;
-        let command = WrenchCommand {
-            seq: self.seq,
-            echo: 0,
-            force_un,
-            torque_unm,
-            hold_us,
-        };
+        let command = WrenchCommand { seq: self.seq, echo: 0, force_un, torque_unm, hold_us };
         self.hear(ToDevice::Wrench(command));
     }
 
@@ -146,11 +125,7 @@ fn modes_change_as_the_table_says() {
         }
         assert_eq!(bench.logic.mode(), from);
         bench.hear(ToDevice::SetMode(asked));
-        assert_eq!(
-            bench.logic.mode(),
-            then,
-            "{from:?}, {agreed}, asked {asked:?}"
-        );
+        assert_eq!(bench.logic.mode(), then, "{from:?}, {agreed}, asked {asked:?}");
     }
 }
 
@@ -160,17 +135,9 @@ fn a_hello_is_answered_and_opens_the_session() {
     bench.ticks(100);
     assert_eq!(bench.said, [], "silent before the first hello");
     bench.hear(ToDevice::Hello(HELLO));
-    let FromDevice::Hello(hello) = bench.said[0] else {
-        panic!("{:?}", bench.said)
-    };
-    assert_eq!(
-        (hello.version, hello.schema),
-        (PROTOCOL_VERSION, SCHEMA_HASH)
-    );
-    assert_eq!(
-        (hello.max_force_un, hello.max_torque_unm),
-        (8_500_000, 188_000)
-    );
+    let FromDevice::Hello(hello) = bench.said[0] else { panic!("{:?}", bench.said) };
+    assert_eq!((hello.version, hello.schema), (PROTOCOL_VERSION, SCHEMA_HASH));
+    assert_eq!((hello.max_force_un, hello.max_torque_unm), (8_500_000, 188_000));
     assert!(hello.name_chars().eq("premium15".chars()));
     assert!(hello.serial_chars().eq("SER".chars()));
     assert_eq!(bench.logic.mode(), Mode::Idle);
@@ -178,16 +145,7 @@ fn a_hello_is_answered_and_opens_the_session() {
 
 #[test]
 fn another_version_or_table_is_told_and_opens_nothing() {
-    for hello in [
-        HostHello {
-            version: PROTOCOL_VERSION + 1,
-            ..HELLO
-        },
-        HostHello {
-            schema: !SCHEMA_HASH,
-            ..HELLO
-        },
-    ] {
+    for hello in [HostHello { version: PROTOCOL_VERSION + 1, ..HELLO }, HostHello { schema: !SCHEMA_HASH, ..HELLO }] {
         let mut bench = Bench::new(PREMIUM15.limits("T"));
         bench.hear(ToDevice::Hello(hello));
         assert!(matches!(bench.said[0], FromDevice::Hello(_)));
@@ -215,17 +173,9 @@ fn messages_out_of_turn_are_answered_once() {
 
 #[test]
 fn reports_come_once_a_period_and_carry_what_is_sensed() {
-    for (asked, period, in_1000_ticks) in [
-        (1000, 1000, 125),
-        (0, 1000, 125),
-        (125, 125, 1000),
-        (1, 125, 1000),
-    ] {
+    for (asked, period, in_1000_ticks) in [(1000, 1000, 125), (0, 1000, 125), (125, 125, 1000), (1, 125, 1000)] {
         let mut bench = Bench::new(PREMIUM15.limits("T"));
-        bench.hear(ToDevice::Hello(HostHello {
-            period_us: asked,
-            ..HELLO
-        }));
+        bench.hear(ToDevice::Hello(HostHello { period_us: asked, ..HELLO }));
         bench.ticks(1000);
         let poses = bench.poses();
         assert_eq!(poses.len(), in_1000_ticks, "asked for {asked} us");
@@ -236,10 +186,7 @@ fn reports_come_once_a_period_and_carry_what_is_sensed() {
         assert_eq!(poses[0].position_nm, STILL.position_nm);
         assert_eq!(poses[0].rotation_q30, STILL.rotation_q30);
         assert_eq!(poses[0].buttons, STILL.buttons);
-        assert_eq!(
-            (poses[0].mode, poses[0].flags, poses[0].echo),
-            (Mode::Idle, 0, 0)
-        );
+        assert_eq!((poses[0].mode, poses[0].flags, poses[0].echo), (Mode::Idle, 0, 0));
     }
 }
 
@@ -256,13 +203,7 @@ fn the_watchdog_brakes_at_its_tick_and_not_before() {
         assert_eq!(bench.logic.mode(), Mode::Force);
         let rendered = bench.ticks(1);
         assert_eq!(bench.logic.mode(), Mode::Brake);
-        assert_eq!(
-            rendered,
-            Rendered {
-                braked: true,
-                ..Rendered::default()
-            }
-        );
+        assert_eq!(rendered, Rendered { braked: true, ..Rendered::default() });
         let fault = bench.faults()[0];
         assert_eq!(fault.cause, FaultCause::Watchdog);
         assert_eq!(fault.detail, i32::from(WATCHDOG_TICKS));
@@ -275,11 +216,7 @@ fn a_fault_stays_until_reset() {
     let mut bench = Bench::in_force();
     bench.ticks(u32::from(WATCHDOG_TICKS));
     assert_eq!(bench.faults().len(), 1);
-    for message in [
-        ToDevice::SetMode(Mode::Idle),
-        ToDevice::SetMode(Mode::Force),
-        ToDevice::Hello(HELLO),
-    ] {
+    for message in [ToDevice::SetMode(Mode::Idle), ToDevice::SetMode(Mode::Force), ToDevice::Hello(HELLO)] {
         bench.hear(message);
         bench.wrench([1_000_000, 0, 0], [0; 3], 1000);
         assert_eq!(bench.ticks(8).force_un, [0; 3]);
@@ -311,29 +248,15 @@ fn a_command_that_is_not_a_number_is_refused_wherever_it_is() {
         assert_eq!((fault.cause, fault.detail), (FaultCause::NonFinite, 2));
         assert_eq!(bench.tick(&STILL).force_un, [0; 3]);
         assert_eq!(bench.logic.mode(), Mode::Brake);
-        assert_eq!(
-            bench.next_pose().echo,
-            1,
-            "the refused command is not echoed"
-        );
+        assert_eq!(bench.next_pose().echo, 1, "the refused command is not echoed");
     }
 }
 
 #[test]
 fn over_speed_brakes_and_tells_how_fast() {
-    let fast = Sensed {
-        speed_um_s: 1_000_001,
-        ..STILL
-    };
-    let spinning = Sensed {
-        spin_urad_s: 20_000_001,
-        ..STILL
-    };
-    let at_limit = Sensed {
-        speed_um_s: 1_000_000,
-        spin_urad_s: 20_000_000,
-        ..STILL
-    };
+    let fast = Sensed { speed_um_s: 1_000_001, ..STILL };
+    let spinning = Sensed { spin_urad_s: 20_000_001, ..STILL };
+    let at_limit = Sensed { speed_um_s: 1_000_000, spin_urad_s: 20_000_000, ..STILL };
     for (sensed, detail) in [(fast, 1_000_001), (spinning, -20_000_001)] {
         let mut bench = Bench::in_force();
         bench.wrench([1_000_000, 0, 0], [0; 3], 100_000);
@@ -358,21 +281,14 @@ fn limits_cut_force_and_torque_apart_and_say_so_once() {
         ([8_500_000, 0, 0], [0, 0, 188_000], 0),
         ([17_000_000, 0, 0], [0, 0, 100], clamped_force),
         ([1, 0, 0], [0, 0, 376_000], clamped_torque),
-        (
-            [0, 17_000_000, 0],
-            [0, 376_000, 0],
-            clamped_force | clamped_torque,
-        ),
+        ([0, 17_000_000, 0], [0, 376_000, 0], clamped_force | clamped_torque),
     ];
     for (force, torque, flags) in table {
         let mut bench = Bench::in_force();
         bench.next_pose();
         bench.wrench(force, torque, 100_000);
         let rendered = bench.logic.clone().tick(&STILL, &mut Outbox::default());
-        for (asked, got, limit) in [
-            (force, rendered.force_un, 8_500_000),
-            (torque, rendered.torque_unm, 188_000),
-        ] {
+        for (asked, got, limit) in [(force, rendered.force_un, 8_500_000), (torque, rendered.torque_unm, 188_000)] {
             let expected = asked.map(|c: i32| c.min(limit));
             for (e, g) in expected.iter().zip(&got) {
                 assert!((e - g).abs() <= 1, "{expected:?}, got {got:?}");
@@ -409,24 +325,14 @@ fn a_wrench_is_held_then_fades_to_zero_without_a_jump() {
         assert!((0..=step).contains(&(pair[0] - pair[1])), "{pair:?}");
     }
     assert_eq!(forces[16 + FADE_TICKS as usize..], [0; 24]);
-    assert_eq!(
-        bench.logic.mode(),
-        Mode::Force,
-        "the watchdog is another matter"
-    );
+    assert_eq!(bench.logic.mode(), Mode::Force, "the watchdog is another matter");
 }
 
 #[test]
 fn old_and_repeated_commands_are_ignored_and_numbers_may_wrap() {
     let mut bench = Bench::in_force();
     let command = |seq, force| {
-        ToDevice::Wrench(WrenchCommand {
-            seq,
-            echo: 0,
-            force_un: [force, 0, 0],
-            torque_unm: [0; 3],
-            hold_us: 100_000,
-        })
+        ToDevice::Wrench(WrenchCommand { seq, echo: 0, force_un: [force, 0, 0], torque_unm: [0; 3], hold_us: 100_000 })
     };
     let table = [
         (u32::MAX - 1, 10, 10),
@@ -452,11 +358,7 @@ fn idle_renders_nothing_but_echoes() {
     assert_eq!(bench.tick(&STILL), Rendered::default());
     assert_eq!(bench.next_pose().echo, 1);
     bench.hear(ToDevice::SetMode(Mode::Force));
-    assert_eq!(
-        bench.tick(&STILL).force_un,
-        [0; 3],
-        "nothing from before is rendered"
-    );
+    assert_eq!(bench.tick(&STILL).force_un, [0; 3], "nothing from before is rendered");
 }
 
 #[test]
@@ -476,9 +378,7 @@ fn a_host_that_falls_silent_ends_the_session() {
 fn a_flood_of_hellos_is_bounded() {
     let mut bench = Bench::new(PREMIUM15.limits("T"));
     for _ in 0..100 {
-        bench
-            .logic
-            .receive(ToDevice::Hello(HELLO), &mut bench.outbox);
+        bench.logic.receive(ToDevice::Hello(HELLO), &mut bench.outbox);
     }
     assert_eq!(bench.outbox.take().count(), 8);
     assert_eq!(bench.outbox.dropped(), 92);

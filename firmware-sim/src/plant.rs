@@ -46,14 +46,8 @@ pub struct Hand {
 }
 
 /// A firm grip with the arm's weight behind it; the module's text says why.
-pub const FIRM_GRIP: Hand = Hand {
-    mass: 0.7,
-    inertia: 2e-3,
-    stiffness: 2_000.0,
-    damping: 150.0,
-    spin_stiffness: 3.0,
-    spin_damping: 0.15,
-};
+pub const FIRM_GRIP: Hand =
+    Hand { mass: 0.7, inertia: 2e-3, stiffness: 2_000.0, damping: 150.0, spin_stiffness: 3.0, spin_damping: 0.15 };
 
 /// Wrench on the handle about its origin, in `d`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -103,16 +97,11 @@ impl Plant {
 
     /// Moves on by [`STEP`].
     pub fn step(&mut self, target: &Target, load: &Load) {
-        let (brake, spin_brake) = if load.braked {
-            (BRAKE_DAMPING, BRAKE_SPIN_DAMPING)
-        } else {
-            (0.0, 0.0)
-        };
+        let (brake, spin_brake) = if load.braked { (BRAKE_DAMPING, BRAKE_SPIN_DAMPING) } else { (0.0, 0.0) };
         let hand = &self.hand;
-        let force = load.force
-            + (target.position - self.position) * hand.stiffness
-            + (target.velocity - self.velocity) * hand.damping
-            - self.velocity * (self.damping + brake);
+        let force =
+            load.force + (target.position - self.position) * hand.stiffness + (target.velocity - self.velocity) * hand.damping
+                - self.velocity * (self.damping + brake);
         let torque = load.torque
             + turn_between(self.rotation, target.rotation) * hand.spin_stiffness
             + (target.spin - self.spin) * hand.spin_damping
@@ -158,26 +147,17 @@ impl Encoders {
     /// A step of 30 um on a spring of 25 kN/m is 0.75 N: the loop toggles between two steps and the hand feels a buzz.
     #[must_use]
     pub const fn of(preset: &Preset) -> Self {
-        Self {
-            step: preset.encoder,
-            spin_step: preset.spin_encoder,
-        }
+        Self { step: preset.encoder, spin_step: preset.spin_encoder }
     }
 
     /// Interpolated encoders: 1 um is 25 mN on the same spring, below what a finger can tell (about 60 mN).
-    pub const FINE: Self = Self {
-        step: 1e-6,
-        spin_step: 2e-5,
-    };
+    pub const FINE: Self = Self { step: 1e-6, spin_step: 2e-5 };
 
     /// A pose as the encoders give it.
     #[must_use]
     pub fn read(&self, position: Vec3, rotation: Quat) -> (Vec3, Quat) {
         let turn = turn_between(Quat::IDENTITY, rotation);
-        (
-            nearest(position, self.step),
-            Quat::from_scaled_axis(nearest(turn, self.spin_step)),
-        )
+        (nearest(position, self.step), Quat::from_scaled_axis(nearest(turn, self.spin_step)))
     }
 }
 
@@ -190,12 +170,7 @@ mod tests {
     use super::*;
     use crate::preset::PREMIUM15;
 
-    const AT_HOME: Target = Target {
-        position: Vec3::ZERO,
-        rotation: Quat::IDENTITY,
-        velocity: Vec3::ZERO,
-        spin: Vec3::ZERO,
-    };
+    const AT_HOME: Target = Target { position: Vec3::ZERO, rotation: Quat::IDENTITY, velocity: Vec3::ZERO, spin: Vec3::ZERO };
 
     fn displaced(hand: Hand) -> Plant {
         Plant {
@@ -213,10 +188,7 @@ mod tests {
             plant.step(&AT_HOME, &Load::default());
             let energy = plant.energy(&AT_HOME);
             // a symplectic step wobbles by dt times the power exchanged
-            assert!(
-                energy <= before * 1.02 + 1e-9,
-                "step {step}: {before} J to {energy} J"
-            );
+            assert!(energy <= before * 1.02 + 1e-9, "step {step}: {before} J to {energy} J");
             before = energy;
         }
         assert!(before < 1e-8, "{before} J left");
@@ -224,16 +196,8 @@ mod tests {
 
     #[test]
     fn without_damping_energy_neither_grows_nor_fades() {
-        let hand = Hand {
-            damping: 0.0,
-            spin_damping: 0.0,
-            ..FIRM_GRIP
-        };
-        let mut plant = Plant {
-            damping: 0.0,
-            spin_damping: 0.0,
-            ..displaced(hand)
-        };
+        let hand = Hand { damping: 0.0, spin_damping: 0.0, ..FIRM_GRIP };
+        let mut plant = Plant { damping: 0.0, spin_damping: 0.0, ..displaced(hand) };
         let begin = plant.energy(&AT_HOME);
         for step in 0..80_000 {
             plant.step(&AT_HOME, &Load::default());
@@ -245,11 +209,7 @@ mod tests {
     #[test]
     fn a_steady_wrench_is_balanced_by_the_hand_s_springs() {
         let mut plant = Plant::new(&PREMIUM15, FIRM_GRIP);
-        let load = Load {
-            force: Vec3::new(4.0, 0.0, -2.0),
-            torque: Vec3::new(0.0, 0.3, 0.0),
-            braked: false,
-        };
+        let load = Load { force: Vec3::new(4.0, 0.0, -2.0), torque: Vec3::new(0.0, 0.3, 0.0), braked: false };
         for _ in 0..16_000 {
             plant.step(&AT_HOME, &load);
         }
@@ -266,13 +226,7 @@ mod tests {
             let mut plant = Plant::new(&PREMIUM15, FIRM_GRIP);
             plant.velocity = Vec3::X;
             for _ in 0..80 {
-                plant.step(
-                    &AT_HOME,
-                    &Load {
-                        braked,
-                        ..Load::default()
-                    },
-                );
+                plant.step(&AT_HOME, &Load { braked, ..Load::default() });
             }
             plant.velocity.length()
         };
@@ -285,8 +239,7 @@ mod tests {
         for i in 0..2000 {
             let x = i as f32 * 1.7e-6;
             let turn = Vec3::new(0.0, i as f32 * 1e-4, -0.1);
-            let (position, rotation) =
-                encoders.read(Vec3::new(x, -x, 0.0), Quat::from_scaled_axis(turn));
+            let (position, rotation) = encoders.read(Vec3::new(x, -x, 0.0), Quat::from_scaled_axis(turn));
             let steps = position.x / encoders.step;
             assert!((steps - steps.round()).abs() < 1e-3, "{steps}");
             assert!((position.x - x).abs() <= 0.501 * encoders.step);

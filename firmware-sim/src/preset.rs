@@ -30,12 +30,14 @@ pub struct Preset {
     pub over_speed: f32,
     /// Angular speed above which it brakes [rad/s].
     pub over_spin: f32,
+    /// Ticks of 125 us without a wrench until the brake.
+    pub watchdog_ticks: u16,
 }
 
 /// Every preset.
 pub const PRESETS: [Preset; 4] = [PREMIUM15, SIGMA7, OMEGA6, TOUCH];
 
-/// Ticks of 125 us without a wrench until the brake: 30 ms, the most that one byte holds on devices with this kind of watchdog, and
+/// Usual watchdog: 30 ms, the most that one byte holds on devices with this kind of watchdog, and
 /// above what a desktop system without real-time rights oversleeps on a bad day (17 ms seen).
 pub const WATCHDOG_TICKS: u16 = 240;
 
@@ -52,6 +54,7 @@ pub const PREMIUM15: Preset = Preset {
     spin_encoder: 1.4e-4,
     over_speed: 1.0,
     over_spin: 20.0,
+    watchdog_ticks: WATCHDOG_TICKS,
 };
 
 /// sigma.7 class: a parallel arm with a driven wrist.
@@ -67,6 +70,7 @@ pub const SIGMA7: Preset = Preset {
     spin_encoder: 2.3e-4,
     over_speed: 1.0,
     over_spin: 20.0,
+    watchdog_ticks: WATCHDOG_TICKS,
 };
 
 /// omega.6 class: a parallel arm, the wrist sensed and not driven.
@@ -82,6 +86,7 @@ pub const OMEGA6: Preset = Preset {
     spin_encoder: 1.6e-3,
     over_speed: 1.0,
     over_spin: 20.0,
+    watchdog_ticks: WATCHDOG_TICKS,
 };
 
 /// Touch class: a small serial arm, the wrist sensed and not driven.
@@ -97,6 +102,7 @@ pub const TOUCH: Preset = Preset {
     spin_encoder: 1.0e-3,
     over_speed: 1.0,
     over_spin: 20.0,
+    watchdog_ticks: WATCHDOG_TICKS,
 };
 
 impl Preset {
@@ -114,7 +120,7 @@ impl Preset {
             serial: padded(serial),
             max_force_un: micro(self.max_force),
             max_torque_unm: micro(self.max_torque),
-            watchdog_ticks: WATCHDOG_TICKS,
+            watchdog_ticks: self.watchdog_ticks,
             over_speed_um_s: micro(self.over_speed),
             over_spin_urad_s: micro(self.over_spin),
         }
@@ -123,10 +129,7 @@ impl Preset {
 
 fn padded(text: &str) -> [u8; 12] {
     let mut field = [0; 12];
-    field
-        .iter_mut()
-        .zip(text.bytes())
-        .for_each(|(to, byte)| *to = byte);
+    field.iter_mut().zip(text.bytes()).for_each(|(to, byte)| *to = byte);
     field
 }
 

@@ -17,15 +17,7 @@ pub const PRESS_SHARE: f32 = 0.8;
 pub const MAX_WAY_POINTS: usize = 16;
 
 /// The names of the scripts, as on the command line.
-pub const NAMES: [&str; 7] = [
-    "hold",
-    "press",
-    "twist",
-    "slide",
-    "lift",
-    "press-twist-slide",
-    "two-legs",
-];
+pub const NAMES: [&str; 7] = ["hold", "press", "twist", "slide", "lift", "press-twist-slide", "two-legs"];
 
 /// Where the hand wants to be, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,11 +61,7 @@ impl Reach {
     /// 20 mm radius on soft rubber well into slip.
     #[must_use]
     pub fn usual(stiffness: f32, max_force: f32) -> Self {
-        Self {
-            depth: PRESS_SHARE * max_force / stiffness,
-            angle: 0.5,
-            slide: 10e-3,
-        }
+        Self { depth: PRESS_SHARE * max_force / stiffness, angle: 0.5, slide: 10e-3 }
     }
 }
 
@@ -100,10 +88,7 @@ impl Script {
             "two-legs" => draft.press().twist(0.3).twist(-0.3).twist(0.0).lift(),
             _ => return None,
         };
-        Some(Self {
-            points: draft.points,
-            repeat,
-        })
+        Some(Self { points: draft.points, repeat })
     }
 
     /// Time from begin to end [us].
@@ -136,11 +121,7 @@ impl Script {
     }
 }
 
-const HOME: WayPoint = WayPoint {
-    seconds: 0.0,
-    position: Vec3::ZERO,
-    angle: 0.0,
-};
+const HOME: WayPoint = WayPoint { seconds: 0.0, position: Vec3::ZERO, angle: 0.0 };
 
 fn micros(seconds: f32) -> u64 {
     (f64::from(seconds) * 1e6 + 0.5) as u64
@@ -150,11 +131,7 @@ fn micros(seconds: f32) -> u64 {
 fn between(from: &WayPoint, to: &WayPoint, s: f32) -> Target {
     let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
     let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s);
-    let rate = if to.seconds > 0.0 {
-        slope / to.seconds
-    } else {
-        0.0
-    };
+    let rate = if to.seconds > 0.0 { slope / to.seconds } else { 0.0 };
     let way = to.position - from.position;
     let turn = to.angle - from.angle;
     Target {
@@ -174,19 +151,11 @@ struct Draft {
 
 impl Draft {
     fn new(reach: &Reach) -> Self {
-        Self {
-            reach: *reach,
-            points: heapless::Vec::new(),
-            at: HOME,
-        }
+        Self { reach: *reach, points: heapless::Vec::new(), at: HOME }
     }
 
     fn go(&mut self, seconds: f32, position: Vec3, angle: f32) -> &mut Self {
-        self.at = WayPoint {
-            seconds,
-            position,
-            angle,
-        };
+        self.at = WayPoint { seconds, position, angle };
         let fits = self.points.push(self.at).is_ok();
         debug_assert!(fits, "a script has more than {MAX_WAY_POINTS} way points");
         self
@@ -240,27 +209,19 @@ mod tests {
 
     fn all() -> impl Iterator<Item = (&'static str, Script)> {
         let reach = Reach::usual(2000.0, 8.5);
-        NAMES
-            .into_iter()
-            .map(move |name| (name, Script::by_name(name, &reach, true).unwrap()))
+        NAMES.into_iter().map(move |name| (name, Script::by_name(name, &reach, true).unwrap()))
     }
 
     #[test]
     fn every_name_is_a_script_that_returns_to_where_it_began() {
         for (name, script) in all() {
-            let once = Script {
-                repeat: false,
-                ..script.clone()
-            };
+            let once = Script { repeat: false, ..script.clone() };
             let end = once.target(script.length_us());
             assert_eq!(end.position, Vec3::ZERO, "{name}");
             assert!(end.rotation.angle_between(Quat::IDENTITY) < 1e-6, "{name}");
             assert_eq!(end, once.target(u64::MAX), "{name} rests at its end");
         }
-        assert_eq!(
-            Script::by_name("dance", &Reach::usual(1.0, 1.0), true),
-            None
-        );
+        assert_eq!(Script::by_name("dance", &Reach::usual(1.0, 1.0), true), None);
     }
 
     #[test]
@@ -291,14 +252,8 @@ mod tests {
             let reach = Reach::usual(2000.0, max_force);
             for name in NAMES {
                 let script = Script::by_name(name, &reach, false).unwrap();
-                let lowest = (0..script.length_us() / 1000)
-                    .map(|ms| script.target(1000 * ms).position.z)
-                    .fold(0.0, f32::min);
-                let expected = if name == "hold" {
-                    0.0
-                } else {
-                    -CLEARANCE - reach.depth
-                };
+                let lowest = (0..script.length_us() / 1000).map(|ms| script.target(1000 * ms).position.z).fold(0.0, f32::min);
+                let expected = if name == "hold" { 0.0 } else { -CLEARANCE - reach.depth };
                 assert!((lowest - expected).abs() < 1e-7, "{name}: {lowest}");
             }
         }

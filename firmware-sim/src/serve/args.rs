@@ -38,6 +38,9 @@ pub struct Args {
     /// End when standard input is closed
     #[arg(long)]
     pub until_stdin_closes: bool,
+    /// Milliseconds without an answer until the device brakes, 1 to 8191; raise it where the machine is not real-time
+    #[arg(long, default_value_t = 30, overrides_with = "watchdog_ms", value_parser = clap::value_parser!(u16).range(1..=8191))]
+    pub watchdog_ms: u16,
     /// Serial number told in the hello, at most 12 characters
     #[arg(long, default_value = "SIM-1", value_parser = serial)]
     pub serial: String,
@@ -71,13 +74,8 @@ fn place(text: &str) -> Result<Place, String> {
     if text == "pty" {
         return Ok(Place::Pty);
     }
-    let address = text
-        .strip_prefix("tcp:")
-        .ok_or("expected `pty` or `tcp:ADDRESS`, as in tcp:127.0.0.1:0")?;
-    address
-        .parse()
-        .map(Place::Tcp)
-        .map_err(|_| format!("`{address}` is no address and port, as in 127.0.0.1:0"))
+    let address = text.strip_prefix("tcp:").ok_or("expected `pty` or `tcp:ADDRESS`, as in tcp:127.0.0.1:0")?;
+    address.parse().map(Place::Tcp).map_err(|_| format!("`{address}` is no address and port, as in 127.0.0.1:0"))
 }
 
 fn preset(name: &str) -> Result<Preset, String> {
@@ -104,9 +102,7 @@ fn serial(text: &str) -> Result<String, String> {
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
-        _ => Err(format!(
-            "`{text}` is not a number of seconds from 0 to 1000000"
-        )),
+        _ => Err(format!("`{text}` is not a number of seconds from 0 to 1000000")),
     }
 }
 
@@ -124,10 +120,7 @@ mod tests {
     #[test]
     fn places_and_names_are_checked() {
         assert_eq!(place("pty"), Ok(Place::Pty));
-        assert_eq!(
-            place("tcp:127.0.0.1:0"),
-            Ok(Place::Tcp(([127, 0, 0, 1], 0).into()))
-        );
+        assert_eq!(place("tcp:127.0.0.1:0"), Ok(Place::Tcp(([127, 0, 0, 1], 0).into())));
         assert!(place("tcp:nowhere").unwrap_err().contains("nowhere"));
         assert!(place("usb").is_err());
         for bad in [
@@ -137,6 +130,8 @@ mod tests {
             ["--seconds", "nan"],
             ["--fault", "flood@1"],
             ["--serial", "much-too-long"],
+            ["--watchdog-ms", "0"],
+            ["--watchdog-ms", "8192"],
         ] {
             Args::try_parse_from(["sim", bad[0], bad[1]]).unwrap_err();
         }

@@ -22,12 +22,7 @@ pub struct Clock {
 impl Clock {
     /// The first turn begins one length from now.
     pub fn start(turn_us: u32) -> Self {
-        Self {
-            next_ns: now_ns(),
-            turn_ns: i64::from(turn_us) * 1000,
-            turns: 0,
-            stood_still: 0,
-        }
+        Self { next_ns: now_ns(), turn_ns: i64::from(turn_us) * 1000, turns: 0, stood_still: 0 }
     }
 
     /// Turns so far.
@@ -49,10 +44,7 @@ impl Clock {
             self.next_ns = now;
             self.stood_still += 1;
         }
-        let until = Timespec {
-            tv_sec: self.next_ns / 1_000_000_000,
-            tv_nsec: self.next_ns % 1_000_000_000,
-        };
+        let until = Timespec { tv_sec: self.next_ns / 1_000_000_000, tv_nsec: self.next_ns % 1_000_000_000 };
         loop {
             match clock_nanosleep_absolute(ClockId::Monotonic, &until) {
                 Ok(()) => return Ok(()),

@@ -40,9 +40,7 @@ impl FromStr for Drill {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (kind, when) = text
-            .split_once('@')
-            .ok_or("expected KIND@SECONDS, as in stall@2.0:50ms")?;
+        let (kind, when) = text.split_once('@').ok_or("expected KIND@SECONDS, as in stall@2.0:50ms")?;
         let (at, length) = match when.split_once(':') {
             Some((at, length)) => (at, Some(length)),
             None => (when, None),
@@ -54,9 +52,7 @@ impl FromStr for Drill {
             "restart" => (Kind::Restart, false),
             "kick" => (Kind::Kick, false),
             _ => {
-                return Err(format!(
-                    "no drill `{kind}`; there are garbage, stall, die, restart, kick"
-                ));
+                return Err(format!("no drill `{kind}`; there are garbage, stall, die, restart, kick"));
             }
         };
         let for_us = match length {
@@ -65,11 +61,7 @@ impl FromStr for Drill {
             Some(_) if !lasts => return Err("this drill happens at once, without a length".into()),
             Some(length) => parse_length(length)?,
         };
-        Ok(Self {
-            kind,
-            at_us: to_us(seconds(at)?),
-            for_us,
-        })
+        Ok(Self { kind, at_us: to_us(seconds(at)?), for_us })
     }
 }
 
@@ -160,36 +152,20 @@ mod tests {
             ("restart@0", Kind::Restart, 0, 0),
         ];
         for (text, kind, at_us, for_us) in table {
-            let drill = Drill {
-                kind,
-                at_us,
-                for_us,
-            };
+            let drill = Drill { kind, at_us, for_us };
             assert_eq!(text.parse(), Ok(drill), "{text}");
         }
-        for bad in [
-            "stall",
-            "stall@",
-            "stall@x",
-            "die@1:5ms",
-            "flood@1",
-            "stall@1:-5ms",
-        ] {
+        for bad in ["stall", "stall@", "stall@x", "die@1:5ms", "flood@1", "stall@1:-5ms"] {
             assert!(bad.parse::<Drill>().is_err(), "{bad}");
         }
     }
 
     #[test]
     fn each_drill_has_its_ticks() {
-        let drills: Vec<Drill> = ["stall@0.010:3ms", "restart@0.012", "kick@0.0125"]
-            .iter()
-            .map(|text| text.parse().unwrap())
-            .collect();
-        let ticks = |pick: fn(&Orders) -> bool| -> Vec<u64> {
-            (0..20)
-                .filter(|ms| pick(&orders(&drills, ms * 1000, 1000)))
-                .collect()
-        };
+        let drills: Vec<Drill> =
+            ["stall@0.010:3ms", "restart@0.012", "kick@0.0125"].iter().map(|text| text.parse().unwrap()).collect();
+        let ticks =
+            |pick: fn(&Orders) -> bool| -> Vec<u64> { (0..20).filter(|ms| pick(&orders(&drills, ms * 1000, 1000))).collect() };
         assert_eq!(ticks(|o| o.stall), [10, 11, 12]);
         assert_eq!(ticks(|o| o.restart), [12]);
         assert_eq!(ticks(|o| o.kick), [13]);

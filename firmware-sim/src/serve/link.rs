@@ -34,15 +34,9 @@ impl Link {
     pub fn open(place: Place) -> Result<Self> {
         let port = match place {
             Place::Pty => Port::Pty(Pty::open()?),
-            Place::Tcp(address) => Port::Tcp(
-                Tcp::open(address).with_context(|| format!("cannot listen at {address}"))?,
-            ),
+            Place::Tcp(address) => Port::Tcp(Tcp::open(address).with_context(|| format!("cannot listen at {address}"))?),
         };
-        Ok(Self {
-            port,
-            backlog: Vec::with_capacity(BACKLOG),
-            dropped: 0,
-        })
+        Ok(Self { port, backlog: Vec::with_capacity(BACKLOG), dropped: 0 })
     }
 
     /// Where a host finds it, as `pty PATH` or `tcp ADDRESS`.
@@ -121,20 +115,15 @@ impl Pty {
         unlockpt(&master)?;
         fcntl_setfl(&master, OFlags::RDWR | OFlags::NONBLOCK)?;
         let path = ptsname(&master, Vec::new())?.into_string()?;
-        let mut pty = Self {
-            master: File::from(master),
-            path,
-            held: None,
-            left: false,
-        };
+        let mut pty = Self { master: File::from(master), path, held: None, left: false };
         pty.hold()?;
         Ok(pty)
     }
 
     fn hold(&mut self) -> Result<()> {
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
-        let slave = rustix::fs::open(self.path.as_str(), flags, Mode::empty())
-            .with_context(|| format!("cannot open {}", self.path))?;
+        let slave =
+            rustix::fs::open(self.path.as_str(), flags, Mode::empty()).with_context(|| format!("cannot open {}", self.path))?;
         let mut settings = tcgetattr(&slave)?;
         settings.make_raw();
         tcsetattr(&slave, OptionalActions::Now, &settings)?;
@@ -172,10 +161,7 @@ impl Tcp {
     fn open(address: std::net::SocketAddr) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
-        Ok(Self {
-            listener,
-            stream: None,
-        })
+        Ok(Self { listener, stream: None })
     }
 
     fn newly_opened(&mut self) -> io::Result<bool> {

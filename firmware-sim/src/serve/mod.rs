@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::script::Reach;
-use haptor_firmware_sim::{Device, Script, TxBuf};
+use haptor_firmware_sim::{Device, Preset, Script, TxBuf};
 use haptor_wire::Mode;
 
 use args::{Args, Resolution};
@@ -60,6 +60,7 @@ fn watch_stdin(stop: Arc<AtomicBool>) {
 
 struct Server<'a> {
     args: &'a Args,
+    preset: Preset,
     link: Link,
     device: Device,
     tx: TxBuf,
@@ -71,16 +72,22 @@ struct Server<'a> {
 
 impl<'a> Server<'a> {
     fn new(args: &'a Args) -> Result<Self> {
-        let reach = Reach::usual(FIRM_GRIP.stiffness, args.preset.max_force);
+        let preset = Preset {
+            // 8 ticks of 125 us a millisecond
+            watchdog_ticks: args.watchdog_ms * 8,
+            ..args.preset
+        };
+        let reach = Reach::usual(FIRM_GRIP.stiffness, preset.max_force);
         let script = Script::by_name(&args.script, &reach, !args.once).context("no such script")?;
         let encoders = match args.encoders {
             Resolution::Fine => Encoders::FINE,
-            Resolution::Sheet => Encoders::of(&args.preset),
+            Resolution::Sheet => Encoders::of(&preset),
         };
         Ok(Self {
             args,
+            preset,
             link: Link::open(args.serve)?,
-            device: Device::new(&args.preset, &args.serial, FIRM_GRIP, encoders, script),
+            device: Device::new(&preset, &args.serial, FIRM_GRIP, encoders, script),
             tx: TxBuf::new(),
             rx: vec![0; READ_BYTES],
             noise: Noise::new(args.seed),
@@ -96,11 +103,10 @@ impl<'a> Server<'a> {
             return Ok(false);
         }
         if orders.restart {
-            self.device.restart(&self.args.preset, &self.args.serial);
+            self.device.restart(&self.preset, &self.args.serial);
         }
         if orders.kick {
-            self.device
-                .kick([2.0 * self.args.preset.over_speed, 0.0, 0.0]);
+            self.device.kick([2.0 * self.preset.over_speed, 0.0, 0.0]);
         }
         let come = self.receive(orders)?;
         self.tx.clear();
