@@ -1,1 +1,43 @@
-fn main() {}
+//! `haptor`: the front door of the project. One command per file in [`command`]; each says what it did, on standard error how
+//! far it is, and ends with 0 (good), 1 (found a problem) or 2 (bad input, nothing written).
+//!
+//! The tool never runs a real-time loop: `demo` and `run` start the programs `haptor-firmware-sim` and `haptor-host` that lie
+//! beside it and talk to them over the tool link (`haptor_wire::status`).
+#![forbid(unsafe_code)]
+
+mod command;
+mod doctor;
+mod failure;
+mod output;
+mod plot;
+mod programs;
+mod progress;
+mod scene;
+mod session;
+mod simulation;
+mod text;
+mod trajectory;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// What a hand feels when a rigid body presses, slides and twists on an elastic one.
+#[derive(Debug, Parser)]
+#[command(name = "haptor", version, arg_required_else_help = true)]
+#[command(after_help = "Exit codes: 0 good, 1 a problem was found, 2 bad usage or bad input (nothing was written).\n\
+                        Example: haptor demo --seconds 5")]
+struct Cli {
+    #[command(subcommand)]
+    command: command::Command,
+}
+
+fn main() -> ExitCode {
+    match command::run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {:#}", failure.error());
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}

@@ -28,11 +28,7 @@ pub struct Findings {
 impl Findings {
     /// No hole, no edge of three, no disagreement, no sliver, outside out.
     pub fn is_solid(&self) -> bool {
-        *self
-            == Self {
-                pieces: self.pieces,
-                ..Self::default()
-            }
+        *self == Self { pieces: self.pieces, ..Self::default() }
     }
 
     /// Closed: every edge has two triangles.
@@ -43,40 +39,20 @@ impl Findings {
     /// One line for each thing that is wrong, with what to do about it.
     pub fn problems(&self) -> Vec<String> {
         let counted = [
-            (
-                self.boundary_edges,
-                "boundary edges: the mesh has holes; close them",
-            ),
-            (
-                self.non_manifold_edges,
-                "edges of more than two triangles: split the solid there",
-            ),
-            (
-                self.flipped_edges,
-                "edges whose triangles disagree about the outside: recompute the normals",
-            ),
-            (
-                self.slivers,
-                "triangles without a usable normal: merge their corners",
-            ),
+            (self.boundary_edges, "boundary edges: the mesh has holes; close them"),
+            (self.non_manifold_edges, "edges of more than two triangles: split the solid there"),
+            (self.flipped_edges, "edges whose triangles disagree about the outside: recompute the normals"),
+            (self.slivers, "triangles without a usable normal: merge their corners"),
         ];
-        let lines = counted
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, text)| format!("{count} {text}"));
-        let inside_out = self
-            .inside_out
-            .then(|| "the mesh is inside out: flip the normals".to_owned());
+        let lines = counted.iter().filter(|(count, _)| *count > 0).map(|(count, text)| format!("{count} {text}"));
+        let inside_out = self.inside_out.then(|| "the mesh is inside out: flip the normals".to_owned());
         lines.chain(inside_out).collect()
     }
 }
 
 /// Checks a mesh whose vertices have been joined ([`crate::weld`]).
 pub fn check(mesh: &Mesh) -> Findings {
-    let mut findings = Findings {
-        pieces: pieces(mesh),
-        ..Findings::default()
-    };
+    let mut findings = Findings { pieces: pieces(mesh), ..Findings::default() };
     for &(forward, backward) in edges(mesh).values() {
         match (forward, backward) {
             (1, 1) => {}
@@ -85,13 +61,8 @@ pub fn check(mesh: &Mesh) -> Findings {
             _ => findings.non_manifold_edges += 1,
         }
     }
-    findings.slivers = mesh
-        .triangles
-        .iter()
-        .filter(|&&triangle| is_sliver(mesh, triangle))
-        .count();
-    findings.inside_out =
-        findings.is_watertight() && findings.flipped_edges == 0 && signed_volume(mesh) < 0.0;
+    findings.slivers = mesh.triangles.iter().filter(|&&triangle| is_sliver(mesh, triangle)).count();
+    findings.inside_out = findings.is_watertight() && findings.flipped_edges == 0 && signed_volume(mesh) < 0.0;
     findings
 }
 
@@ -109,10 +80,7 @@ fn edges(mesh: &Mesh) -> BTreeMap<(u32, u32), (usize, usize)> {
 
 fn is_sliver(mesh: &Mesh, triangle: [u32; 3]) -> bool {
     let [a, b, c] = mesh.corners(triangle);
-    let longest = a
-        .distance_squared(b)
-        .max(b.distance_squared(c))
-        .max(c.distance_squared(a));
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     // written so that a triangle of no length counts as one
     twice_area([a, b, c]).length() <= SLIVER * longest
 }
@@ -124,11 +92,7 @@ fn pieces(mesh: &Mesh) -> usize {
         join(&mut parent, a, b);
         join(&mut parent, b, c);
     }
-    let mut roots: Vec<u32> = mesh
-        .triangles
-        .iter()
-        .map(|triangle| root(&mut parent, triangle[0]))
-        .collect();
+    let mut roots: Vec<u32> = mesh.triangles.iter().map(|triangle| root(&mut parent, triangle[0])).collect();
     roots.sort_unstable();
     roots.dedup();
     roots.len()
@@ -161,87 +125,32 @@ mod tests {
 
     #[test]
     fn each_fault_is_counted_by_its_name() {
-        let hole = Mesh {
-            triangles: cube().triangles[1..].to_vec(),
-            ..cube()
-        };
+        let hole = Mesh { triangles: cube().triangles[1..].to_vec(), ..cube() };
         let mut flipped = cube();
         flipped.triangles[0].swap(0, 1);
         let mut inside_out = cube();
-        inside_out
-            .triangles
-            .iter_mut()
-            .for_each(|triangle| triangle.swap(0, 1));
+        inside_out.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
         let mut doubled = cube();
         doubled.triangles.extend_from_within(..2);
         let table = [
-            (
-                "cube",
-                cube(),
-                Findings {
-                    pieces: 1,
-                    ..Findings::default()
-                },
-            ),
-            (
-                "hole",
-                hole,
-                Findings {
-                    boundary_edges: 3,
-                    pieces: 1,
-                    ..Findings::default()
-                },
-            ),
-            (
-                "flipped",
-                flipped,
-                Findings {
-                    flipped_edges: 3,
-                    pieces: 1,
-                    ..Findings::default()
-                },
-            ),
-            (
-                "inside out",
-                inside_out,
-                Findings {
-                    inside_out: true,
-                    pieces: 1,
-                    ..Findings::default()
-                },
-            ),
-            (
-                "doubled face",
-                doubled,
-                Findings {
-                    non_manifold_edges: 5,
-                    pieces: 1,
-                    ..Findings::default()
-                },
-            ),
+            ("cube", cube(), Findings { pieces: 1, ..Findings::default() }),
+            ("hole", hole, Findings { boundary_edges: 3, pieces: 1, ..Findings::default() }),
+            ("flipped", flipped, Findings { flipped_edges: 3, pieces: 1, ..Findings::default() }),
+            ("inside out", inside_out, Findings { inside_out: true, pieces: 1, ..Findings::default() }),
+            ("doubled face", doubled, Findings { non_manifold_edges: 5, pieces: 1, ..Findings::default() }),
         ];
         for (name, mesh, expected) in table {
             assert_eq!(check(&mesh), expected, "{name}");
-            assert_eq!(
-                expected.is_solid(),
-                expected.problems().is_empty(),
-                "{name}"
-            );
+            assert_eq!(expected.is_solid(), expected.problems().is_empty(), "{name}");
         }
     }
 
     #[test]
     fn a_sliver_is_found_and_two_bodies_are_two_pieces() {
-        let sliver = Mesh {
-            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1e-9, 0.0)],
-            triangles: vec![[0, 1, 2]],
-        };
+        let sliver = Mesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1e-9, 0.0)], triangles: vec![[0, 1, 2]] };
         assert_eq!(check(&sliver).slivers, 1);
         let other = cube().mapped(|v| v + 3.0 * DVec3::X);
-        let shifted = other
-            .triangles
-            .iter()
-            .map(|t| t.map(|index| index + cube().vertices.len() as u32));
+        let shifted = other.triangles.iter().map(|t| t.map(|index| index + cube().vertices.len() as u32));
         let both = Mesh {
             vertices: [cube().vertices, other.vertices.clone()].concat(),
             triangles: cube().triangles.into_iter().chain(shifted).collect(),

@@ -45,9 +45,7 @@ pub enum LoadError {
         triangles: usize,
     },
     /// A coordinate is not finite or too large.
-    #[error(
-        "vertex {vertex} has coordinate {value} m, allowed is -{MAX_COORDINATE} to {MAX_COORDINATE} m: check the scale"
-    )]
+    #[error("vertex {vertex} has coordinate {value} m, allowed is -{MAX_COORDINATE} to {MAX_COORDINATE} m: check the scale")]
     Coordinate {
         /// Which vertex, from 0, in the order of the file.
         vertex: usize,
@@ -91,31 +89,20 @@ pub fn read_stl<R: Read + Seek>(reader: &mut R, scale: f64) -> Result<Mesh, Load
         return Err(LoadError::Empty);
     }
     if file.faces.len() > MAX_TRIANGLES {
-        return Err(LoadError::TooManyTriangles {
-            triangles: file.faces.len(),
-        });
+        return Err(LoadError::TooManyTriangles { triangles: file.faces.len() });
     }
-    let vertices = file
-        .vertices
-        .iter()
-        .enumerate()
-        .map(|(vertex, v)| position(vertex, v.0, scale));
+    let vertices = file.vertices.iter().enumerate().map(|(vertex, v)| position(vertex, v.0, scale));
     let vertices = vertices.collect::<Result<Vec<_>, _>>()?;
     // below MAX_TRIANGLES, so every index fits 32 bits
-    let triangles = file
-        .faces
-        .iter()
-        .map(|face| face.vertices.map(|index| index as u32))
-        .collect();
-    Ok(Mesh {
-        vertices,
-        triangles,
-    })
+    let triangles = file.faces.iter().map(|face| face.vertices.map(|index| index as u32)).collect();
+    Ok(Mesh { vertices, triangles })
 }
+
+const ALLOWED: std::ops::RangeInclusive<f64> = -MAX_COORDINATE..=MAX_COORDINATE;
 
 fn position(vertex: usize, coordinates: [f32; 3], scale: f64) -> Result<DVec3, LoadError> {
     let scaled = coordinates.map(|value| f64::from(value) * scale);
-    match scaled.iter().find(|value| !(value.abs() <= MAX_COORDINATE)) {
+    match scaled.iter().find(|value| !ALLOWED.contains(value)) {
         Some(&value) => Err(LoadError::Coordinate { vertex, value }),
         None => Ok(DVec3::from_array(scaled)),
     }
@@ -132,12 +119,7 @@ mod tests {
         bytes.extend(count.to_le_bytes());
         for corners in triangles {
             bytes.extend([0; 12]);
-            bytes.extend(
-                corners
-                    .iter()
-                    .flatten()
-                    .flat_map(|value| value.to_le_bytes()),
-            );
+            bytes.extend(corners.iter().flatten().flat_map(|value| value.to_le_bytes()));
             bytes.extend([0; 2]);
         }
         bytes
@@ -154,14 +136,9 @@ mod tests {
 
     #[test]
     fn ascii_is_read_too() {
-        let text = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n";
-        assert_eq!(
-            read_stl(&mut Cursor::new(text), 1.0)
-                .unwrap()
-                .triangles
-                .len(),
-            1
-        );
+        let text =
+            "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n";
+        assert_eq!(read_stl(&mut Cursor::new(text), 1.0).unwrap().triangles.len(), 1);
     }
 
     #[test]
@@ -172,20 +149,13 @@ mod tests {
             ("nothing", vec![], 1.0, "no readable STL"),
             ("text", b"hello".to_vec(), 1.0, "no readable STL"),
             ("no triangles", binary(&[], 0), 1.0, "no triangle"),
-            (
-                "count beyond the data",
-                binary(&[TRIANGLE], 4_000_000_000),
-                1.0,
-                "no readable STL",
-            ),
+            ("count beyond the data", binary(&[TRIANGLE], 4_000_000_000), 1.0, "no readable STL"),
             ("not a number", binary(&[nan], 1), 1.0, "coordinate NaN"),
             ("too far", binary(&[far], 1), 1.0, "check the scale"),
             ("no scale", binary(&[TRIANGLE], 1), 0.0, "scale 0"),
         ];
         for (name, bytes, scale, part) in table {
-            let message = read_stl(&mut Cursor::new(bytes), scale)
-                .unwrap_err()
-                .to_string();
+            let message = read_stl(&mut Cursor::new(bytes), scale).unwrap_err().to_string();
             assert!(message.contains(part), "{name}: {message}");
         }
     }

@@ -20,28 +20,18 @@ impl Mesh {
     /// Smallest and largest coordinates \[m\]; `None` for a mesh without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.vertices.first()?;
-        Some(
-            self.vertices
-                .iter()
-                .fold((first, first), |(low, high), &v| (low.min(v), high.max(v))),
-        )
+        Some(self.vertices.iter().fold((first, first), |(low, high), &v| (low.min(v), high.max(v))))
     }
 
     /// The same mesh, each vertex taken through `map`; a map that mirrors turns the triangles inside out.
     #[must_use]
     pub fn mapped(&self, map: impl Fn(DVec3) -> DVec3) -> Self {
-        Self {
-            vertices: self.vertices.iter().map(|&v| map(v)).collect(),
-            triangles: self.triangles.clone(),
-        }
+        Self { vertices: self.vertices.iter().map(|&v| map(v)).collect(), triangles: self.triangles.clone() }
     }
 
     /// Sum of the triangles' areas \[m^2\].
     pub fn area(&self) -> f64 {
-        self.triangles
-            .iter()
-            .map(|&triangle| twice_area(self.corners(triangle)).length() / 2.0)
-            .sum()
+        self.triangles.iter().map(|&triangle| twice_area(self.corners(triangle)).length() / 2.0).sum()
     }
 }
 

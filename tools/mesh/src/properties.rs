@@ -39,11 +39,7 @@ pub fn properties(mesh: &Mesh) -> Option<Properties> {
     let centre = first / volume;
     let central = second - outer(centre) * volume;
     let inertia = DMat3::from_diagonal(DVec3::splat(trace(central))) - central;
-    Some(Properties {
-        volume,
-        centre: centre + origin,
-        inertia,
-    })
+    Some(Properties { volume, centre: centre + origin, inertia })
 }
 
 /// Volume \[m^3\], negative when the mesh is inside out.
@@ -104,10 +100,7 @@ mod tests {
     #[test]
     fn nothing_encloses_nothing() {
         assert_eq!(properties(&Mesh::default()), None);
-        let flat = Mesh {
-            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
-            triangles: vec![[0, 1, 2]],
-        };
+        let flat = Mesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] };
         assert_eq!(properties(&flat), None);
     }
 }

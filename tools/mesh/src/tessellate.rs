@@ -18,22 +18,9 @@ pub fn cuboid(size: DVec3) -> Mesh {
         let sign = |bit: u32| if k >> bit & 1 == 1 { 0.5 } else { -0.5 };
         DVec3::new(sign(0), sign(1), sign(2)) * size
     };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = faces
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
-    Mesh {
-        vertices: (0..8).map(corner).collect(),
-        triangles,
-    }
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh { vertices: (0..8).map(corner).collect(), triangles }
 }
 
 /// Ellipsoid of the given semi-axes \[m\] about the origin; a ball when they are equal.
@@ -47,10 +34,7 @@ pub fn ellipsoid(semi_axes: DVec3, sides: u32) -> Mesh {
 /// Cylinder about the origin, axis z \[m\].
 pub fn cylinder(radius: f64, height: f64, sides: u32) -> Mesh {
     let (low, high) = (-height / 2.0, height / 2.0);
-    turned(
-        &[(0.0, low), (radius, low), (radius, high), (0.0, high)],
-        sides,
-    )
+    turned(&[(0.0, low), (radius, low), (radius, high), (0.0, high)], sides)
 }
 
 /// Cone with its tip towards -z; the origin is its mass centre, 3/4 of the height above the tip \[m\].
@@ -68,9 +52,7 @@ pub fn capsule(radius: f64, height: f64, sides: u32) -> Mesh {
             (radius * angle.cos(), middle + radius * angle.sin())
         })
     };
-    let profile: Vec<_> = arc(-PI / 2.0, -height / 2.0)
-        .chain(arc(0.0, height / 2.0))
-        .collect();
+    let profile: Vec<_> = arc(-PI / 2.0, -height / 2.0).chain(arc(0.0, height / 2.0)).collect();
     turned(&profile, sides)
 }
 
@@ -85,10 +67,7 @@ fn turned(profile: &[(f64, f64)], sides: u32) -> Mesh {
         let angle = 2.0 * PI * f64::from(k) / f64::from(sides);
         DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
     };
-    let mut vertices: Vec<_> = rings
-        .iter()
-        .flat_map(|ring| (0..sides).map(move |k| point(ring, k)))
-        .collect();
+    let mut vertices: Vec<_> = rings.iter().flat_map(|ring| (0..sides).map(move |k| point(ring, k))).collect();
     let (bottom, top) = (vertices.len() as u32, vertices.len() as u32 + 1);
     vertices.extend([pole(first), pole(last)]);
     let mut triangles = Vec::new();
@@ -102,10 +81,7 @@ fn turned(profile: &[(f64, f64)], sides: u32) -> Mesh {
             triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
-    Mesh {
-        vertices,
-        triangles,
-    }
+    Mesh { vertices, triangles }
 }
 
 #[cfg(test)]
@@ -120,32 +96,17 @@ mod tests {
         let table = [
             ("box", cuboid(DVec3::new(0.1, 0.2, 0.3)), 0.006),
             ("ball", ellipsoid(DVec3::splat(r), 64), ball),
-            (
-                "ellipsoid",
-                ellipsoid(DVec3::new(r, 2.0 * r, 3.0 * r), 64),
-                6.0 * ball,
-            ),
+            ("ellipsoid", ellipsoid(DVec3::new(r, 2.0 * r, 3.0 * r), 64), 6.0 * ball),
             ("cylinder", cylinder(r, h, 64), PI * r * r * h),
             ("cone", cone(r, h, 64), PI * r * r * h / 3.0),
             ("capsule", capsule(r, h, 64), PI * r * r * h + ball),
         ];
         for (name, mesh, volume) in table {
             let findings = check(&mesh);
-            assert!(
-                findings.is_solid() && findings.pieces == 1,
-                "{name}: {findings:?}"
-            );
+            assert!(findings.is_solid() && findings.pieces == 1, "{name}: {findings:?}");
             let found = properties(&mesh).unwrap();
-            assert!(
-                (found.volume / volume - 1.0).abs() < 0.01,
-                "{name}: {} m^3, closed form {volume}",
-                found.volume
-            );
-            assert!(
-                found.centre.length() < 1e-9,
-                "{name}: centre {}",
-                found.centre
-            );
+            assert!((found.volume / volume - 1.0).abs() < 0.01, "{name}: {} m^3, closed form {volume}", found.volume);
+            assert!(found.centre.length() < 1e-9, "{name}: centre {}", found.centre);
         }
     }
 

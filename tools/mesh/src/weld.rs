@@ -18,31 +18,12 @@ pub fn weld(mesh: &Mesh, tolerance: Option<f64>) -> Mesh {
     let Some((low, high)) = mesh.bounds() else {
         return Mesh::default();
     };
-    let tolerance = tolerance
-        .unwrap_or((high - low).length() * DEFAULT_TOLERANCE)
-        .max(f64::MIN_POSITIVE);
-    let mut grid = Grid {
-        tolerance,
-        low,
-        cells: HashMap::new(),
-        kept: Vec::new(),
-    };
-    let joined: Vec<u32> = mesh
-        .vertices
-        .iter()
-        .map(|&vertex| grid.place(vertex))
-        .collect();
-    let moved = mesh
-        .triangles
-        .iter()
-        .map(|triangle| triangle.map(|index| joined[index as usize]));
-    let triangles = moved
-        .filter(|[a, b, c]| a != b && b != c && c != a)
-        .collect();
-    Mesh {
-        vertices: grid.kept,
-        triangles,
-    }
+    let tolerance = tolerance.unwrap_or((high - low).length() * DEFAULT_TOLERANCE).max(f64::MIN_POSITIVE);
+    let mut grid = Grid { tolerance, low, cells: HashMap::new(), kept: Vec::new() };
+    let joined: Vec<u32> = mesh.vertices.iter().map(|&vertex| grid.place(vertex)).collect();
+    let moved = mesh.triangles.iter().map(|triangle| triangle.map(|index| joined[index as usize]));
+    let triangles = moved.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    Mesh { vertices: grid.kept, triangles }
 }
 
 struct Grid {
@@ -70,10 +51,7 @@ impl Grid {
         (0..27).find_map(|k| {
             let offset = I64Vec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
             let indices = self.cells.get(&cell.saturating_add(offset))?;
-            indices
-                .iter()
-                .copied()
-                .find(|&index| self.kept[index as usize].distance(vertex) <= self.tolerance)
+            indices.iter().copied().find(|&index| self.kept[index as usize].distance(vertex) <= self.tolerance)
         })
     }
 }
@@ -85,14 +63,7 @@ mod tests {
     #[test]
     fn corners_within_the_tolerance_join_and_others_do_not() {
         let apart = |gap: f64| Mesh {
-            vertices: vec![
-                DVec3::ZERO,
-                DVec3::X,
-                DVec3::Y,
-                DVec3::new(-0.0, gap, 0.0),
-                DVec3::X,
-                DVec3::new(0.5, -1.0, 0.0),
-            ],
+            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(-0.0, gap, 0.0), DVec3::X, DVec3::new(0.5, -1.0, 0.0)],
             triangles: vec![[0, 1, 2], [4, 3, 5]],
         };
         assert_eq!(weld(&apart(0.5e-9), Some(1e-9)).vertices.len(), 4);
@@ -101,10 +72,7 @@ mod tests {
 
     #[test]
     fn a_collapsed_triangle_is_dropped() {
-        let sliver = Mesh {
-            vertices: vec![DVec3::ZERO, DVec3::X, DVec3::X * (1.0 + 1e-12)],
-            triangles: vec![[0, 1, 2]],
-        };
+        let sliver = Mesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::X * (1.0 + 1e-12)], triangles: vec![[0, 1, 2]] };
         assert!(weld(&sliver, Some(1e-9)).triangles.is_empty());
     }
 }

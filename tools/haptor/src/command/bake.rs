@@ -1,0 +1,39 @@
+//! `haptor bake`: everything the host needs in one file.
+
+use std::path::{Path, PathBuf};
+
+use haptor_wire::scene::{FILE_MAX, encode_file};
+
+use crate::failure::{Failure, Outcome};
+use crate::output;
+use crate::scene::Scene;
+
+/// Bakes a scene: everything the host needs in one file.
+///
+/// The device is placed so that its origin puts the probe 5 mm above the middle of the object's top.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: haptor bake tests/scenes/cube-twist.toml -o cube-twist.model")]
+pub struct Args {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Baked file
+    #[arg(short, value_name = "MODEL")]
+    output: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Outcome {
+    let scene = Scene::load(&args.scene)?;
+    bake(&scene, &args.scene.display().to_string(), &args.output)
+}
+
+/// Bakes a scene called `name` in messages into a file.
+///
+/// # Errors
+/// [`Failure::BadInput`] when the host cannot run the scene or the file cannot be written.
+pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
+    let baked = scene.bake().map_err(|what| Failure::bad_input(format!("{name}: {what}")))?;
+    let mut file = [0; FILE_MAX];
+    let length = encode_file(&baked, &mut file).map_err(|error| Failure::problem(format!("{name}: {error}")))?;
+    output::write_file(path, &file[..length])
+}

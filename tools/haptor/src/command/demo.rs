@@ -1,0 +1,206 @@
+//! `haptor demo`: simulated device, real-time host and core for some seconds, over a pseudo-terminal, then figures, plots and the
+//! recording.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::{Duration, Instant};
+
+use haptor_wire::{FromHost, Progress, Summary, TickRecord};
+use indicatif::ProgressBar;
+
+use super::bake::bake;
+use crate::failure::{Failure, Outcome};
+use crate::output::{Output, unwritten};
+use crate::plot::{self, Curve};
+use crate::progress;
+use crate::scene;
+use crate::session::device::SimulatedDevice;
+use crate::session::host::{Host, Plan};
+use crate::session::recording::Recording;
+use crate::session::report::Figures;
+use crate::session::table;
+
+/// Runs a simulated device, the real-time host and the core for some seconds and shows what was felt.
+///
+/// The folder gets wrench.csv, force.png, torque.png and session.haptor (the recording). Exit 0 only if at least 90 % of the
+/// ticks were in time and no fault was latched.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: haptor demo --seconds 5 -o my-demo")]
+pub struct Args {
+    /// Length of the session [s], 1 to 3600
+    #[arg(long, default_value_t = 8.0, value_parser = seconds)]
+    seconds: f64,
+    /// Scene file; a steel ball on a rubber cube when not given
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// Device to simulate
+    #[arg(long, default_value = "premium15", value_parser = ["premium15", "sigma7", "omega6", "touch"])]
+    preset: String,
+    /// Ticks per second [Hz]
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=8000))]
+    rate: u32,
+    /// Show the window (not in this build)
+    #[arg(long)]
+    view: bool,
+    /// Folder for the results
+    #[arg(short, value_name = "DIR", default_value = "haptor-demo")]
+    output: PathBuf,
+}
+
+/// The motion that the simulated hand makes.
+const SCRIPT: &str = "press-twist-slide";
+
+/// How much longer the device serves than the session lasts \[s\]: the host must be the one that ends it.
+const DEVICE_LONGER: f64 = 10.0;
+
+/// How much longer than asked the host may take before it counts as hanging: start-up, hello, last flush on a loaded machine.
+const HOST_LONGER: Duration = Duration::from_secs(15);
+
+/// How long the host may take from its summary, or from the end of its output, to its end.
+const FAREWELL: Duration = Duration::from_secs(5);
+
+/// Runs the command.
+pub fn run(args: &Args) -> Outcome {
+    if args.view {
+        return Err(Failure::bad_input(
+            "--view: the window is not in this build; leave the option out, the plots are in the folder",
+        ));
+    }
+    let scene = scene::load_or_default(args.scene.as_deref())?;
+    let name = args.scene.as_deref().map_or("cube-twist".into(), Path::to_string_lossy);
+    let folder = Folder::create(&args.output)?;
+    let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
+    let model = work.path().join("scene.model");
+    bake(&scene, &name, &model)?;
+    let session = play(args, &model, &folder.session)?;
+    let recording = Recording::read(&folder.session).unwrap_or_default();
+    folder.fill(&recording)?;
+    conclude(&session, &recording, &folder)
+}
+
+/// Where the results go.
+struct Folder {
+    path: PathBuf,
+    session: PathBuf,
+}
+
+impl Folder {
+    /// Makes the folder and takes away what an earlier run left in it, so that nothing old passes for new.
+    fn create(path: &Path) -> Result<Self, Failure> {
+        let unusable = |error| Failure::bad_input(format!("{}: cannot be a folder for the results: {error}", path.display()));
+        fs::create_dir_all(path).map_err(unusable)?;
+        for name in ["wrench.csv", "force.png", "torque.png", "session.haptor"] {
+            match fs::remove_file(path.join(name)) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(unusable(error)),
+                _ => {}
+            }
+        }
+        Ok(Self { path: path.to_owned(), session: path.join("session.haptor") })
+    }
+
+    /// Writes table and plots of whatever was recorded.
+    fn fill(&self, recording: &Recording) -> Outcome {
+        let mut csv = Output::create(Some(&self.path.join("wrench.csv")))?;
+        table::write(&recording.ticks, &mut csv).map_err(|error| unwritten(&error))?;
+        csv.finish()?;
+        let force = curves(&recording.ticks, |tick| tick.contact_force, ["Fx", "Fy", "Fz", "|F|"]);
+        plot::draw(&self.path.join("force.png"), "Contact force on the probe", "force [N]", &force)?;
+        let torque = curves(&recording.ticks, |tick| tick.contact_torque, ["Tx", "Ty", "Tz", "|T|"]);
+        plot::draw(&self.path.join("torque.png"), "Contact torque on the probe", "torque [N m]", &torque)?;
+        Ok(())
+    }
+}
+
+/// What the host said before it ended.
+struct Session {
+    summary: Option<Summary>,
+    /// Why the session is no good though the host may not know, with the programs' last words.
+    trouble: Option<String>,
+}
+
+/// Runs device and host; both are gone when this returns.
+fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
+    let device = SimulatedDevice::start(&args.preset, SCRIPT, args.seconds + DEVICE_LONGER)?;
+    let port = format!("serial:{}", device.port);
+    let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record };
+    let mut host = Host::start(&plan)?;
+    let heard = listen(&host, args);
+    let ended = host.child.wait(FAREWELL);
+    let words = || format!("{}{}", host.child.last_words(), device.child.last_words());
+    let trouble = match (&heard, ended) {
+        (Heard::Hanging, _) | (_, None) => Some(format!("haptor-host hangs and was killed{}", words())),
+        (Heard::Closed, Some(status)) => Some(format!("haptor-host ended without a summary ({status}){}", words())),
+        (Heard::Summary(_), _) => None,
+    };
+    let summary = if let Heard::Summary(summary) = heard { Some(*summary) } else { None };
+    Ok(Session { summary, trouble })
+}
+
+/// How the host's messages ended.
+enum Heard {
+    Summary(Box<Summary>),
+    Closed,
+    Hanging,
+}
+
+/// Follows the host's messages to the last one.
+fn listen(host: &Host, args: &Args) -> Heard {
+    let ticks = (args.seconds * f64::from(args.rate)) as u64;
+    let bar = progress::bar(ticks, "running");
+    let until = Instant::now() + Duration::from_secs_f64(args.seconds) + HOST_LONGER;
+    let heard = loop {
+        match host.messages.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            Ok(FromHost::Summary(summary)) => break Heard::Summary(Box::new(summary)),
+            Ok(FromHost::Progress(now)) => show(&bar, &now),
+            Ok(FromHost::Hello(_) | FromHost::Fault(_)) => {}
+            Err(RecvTimeoutError::Timeout) => break Heard::Hanging,
+            Err(RecvTimeoutError::Disconnected) => break Heard::Closed,
+        }
+    };
+    bar.finish_and_clear();
+    heard
+}
+
+fn show(bar: &ProgressBar, now: &Progress) {
+    let ([.., fz], [.., tz]) = (now.force, now.torque);
+    let fault = now.fault.map_or(String::new(), |fault| format!("  FAULT: {}", fault.name()));
+    bar.set_position(now.tick);
+    bar.set_message(format!("Fz {fz:7.2} N  Tz {tz:8.4} N m  regions {}{fault}", now.regions));
+}
+
+fn curves(ticks: &[TickRecord], of: fn(&TickRecord) -> [f32; 3], names: [&'static str; 4]) -> Vec<Curve> {
+    let curve = |axis: usize| {
+        let value = move |tick: &TickRecord| {
+            let v = of(tick).map(f64::from);
+            v.get(axis).copied().unwrap_or_else(|| v.iter().map(|x| x * x).sum::<f64>().sqrt())
+        };
+        ticks.iter().map(|tick| (tick.t_us as f64 / 1.0e6, value(tick))).collect()
+    };
+    names.iter().enumerate().map(|(axis, name)| Curve { name, points: curve(axis) }).collect()
+}
+
+/// Prints the table and says whether the session was good.
+fn conclude(session: &Session, recording: &Recording, folder: &Folder) -> Outcome {
+    let figures = Figures::new(session.summary, recording);
+    print!("{}", figures.table());
+    println!("{:<30}{} (wrench.csv, force.png, torque.png, session.haptor)", "results", folder.path.display());
+    let verdict = figures.verdict();
+    match (&session.trouble, verdict) {
+        (Some(trouble), Some(verdict)) => Err(Failure::problem(format!("{verdict}; {trouble}"))),
+        (Some(trouble), None) => Err(Failure::problem(trouble)),
+        (None, Some(verdict)) => Err(Failure::problem(verdict)),
+        (None, None) if recording.ticks.is_empty() => Err(Failure::problem("nothing was recorded")),
+        (None, None) => {
+            figures.warning().iter().for_each(|warning| eprintln!("warning: {warning}"));
+            Ok(())
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (1.0..=3600.0).contains(&value) => Ok(value),
+        _ => Err("allowed is a number, 1 to 3600 s".to_owned()),
+    }
+}

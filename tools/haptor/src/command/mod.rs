@@ -1,0 +1,44 @@
+//! The commands, one per file: its arguments, what it does, its messages.
+
+mod bake;
+mod demo;
+mod devices;
+mod doctor;
+mod eval;
+mod mesh;
+mod run;
+mod trajectory;
+mod view;
+
+pub use eval::HEADER as EVAL_HEADER;
+
+use crate::failure::Outcome;
+
+/// What the tool can do.
+#[derive(Debug, clap::Subcommand)]
+pub enum Command {
+    Eval(eval::Args),
+    Demo(demo::Args),
+    Bake(bake::Args),
+    Run(run::Args),
+    View(view::Args),
+    Trajectory(trajectory::Args),
+    Mesh(mesh::Args),
+    Devices(devices::Args),
+    Doctor(doctor::Args),
+}
+
+/// Runs one command.
+pub fn run(command: Command) -> Outcome {
+    match command {
+        Command::Eval(args) => eval::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Bake(args) => bake::run(&args),
+        Command::Run(args) => run::run(&args),
+        Command::View(args) => view::run(&args),
+        Command::Trajectory(args) => trajectory::run(&args),
+        Command::Mesh(args) => mesh::run(&args),
+        Command::Devices(args) => devices::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
+    }
+}

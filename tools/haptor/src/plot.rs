@@ -1,0 +1,124 @@
+//! Line plots as PNG: time along, a quantity with its unit up, one colour per curve and a legend.
+//!
+//! Colours are Okabe and Ito's, told apart with any colour vision (jfly.uni-koeln.de/color, 2008). The font comes with a crate,
+//! so a machine without fonts draws the same picture.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use anyhow::{Context, anyhow};
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+
+/// One curve.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Name in the legend.
+    pub name: &'static str,
+    /// Points (t \[s\], value).
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Size of a picture \[pixels\].
+const SIZE: (u32, u32) = (1200, 640);
+
+/// Most points drawn of a curve: some twenty per column of pixels; more would draw the same picture.
+const MAX_POINTS: usize = 20_000;
+
+/// Blue, vermilion, green, black.
+const COLOURS: [RGBColor; 4] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(30, 30, 30)];
+
+/// The name under which the font is registered.
+const FONT: &str = "sans-serif";
+
+/// Registers the font once.
+fn fonts() -> anyhow::Result<()> {
+    static DONE: OnceLock<bool> = OnceLock::new();
+    let done = DONE.get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());
+    if *done { Ok(()) } else { Err(anyhow!("the font of the plots cannot be read")) }
+}
+
+/// Draws curves over time into a PNG file.
+///
+/// # Errors
+/// When the picture cannot be drawn or written.
+pub fn draw(path: &Path, title: &str, unit_label: &str, curves: &[Curve]) -> anyhow::Result<()> {
+    fonts()?;
+    paint(path, title, unit_label, curves).map_err(|error| anyhow!("{error}")).with_context(|| format!("{}", path.display()))
+}
+
+fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
+    let area = BitMapBackend::new(path, SIZE).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (time, value) = ranges(curves);
+    let mut chart = ChartBuilder::on(&area)
+        .caption(title, (FONT, 28))
+        .margin(16)
+        .x_label_area_size(48)
+        .y_label_area_size(80)
+        .build_cartesian_2d(time, value)?;
+    chart.configure_mesh().x_desc("time [s]").y_desc(label).label_style((FONT, 18)).axis_desc_style((FONT, 22)).draw()?;
+    for (curve, &colour) in curves.iter().zip(COLOURS.iter().cycle()) {
+        let style = colour.stroke_width(2);
+        let series = chart.draw_series(LineSeries::new(thinned(&curve.points), style))?;
+        series.label(curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
+    }
+    let mut legend = chart.configure_series_labels();
+    legend.position(SeriesLabelPosition::UpperRight).label_font((FONT, 20)).legend_area_size(36);
+    legend.background_style(WHITE.mix(0.85)).border_style(RGBColor(160, 160, 160)).draw()?;
+    area.present()?;
+    Ok(())
+}
+
+/// Ranges of time and value, with room above and below; never empty.
+fn ranges(curves: &[Curve]) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
+    let all = || curves.iter().flat_map(|curve| curve.points.iter());
+    let span = |of: fn(&(f64, f64)) -> f64| {
+        let (low, high) =
+            all().map(of).filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low < high { (low, high) } else { (low.min(0.0).max(-1.0), high.max(0.0).min(1.0) + 1.0) }
+    };
+    let ((start, end), (low, high)) = (span(|p| p.0), span(|p| p.1));
+    let room = 0.05 * (high - low);
+    (start..end, low - room..high + room)
+}
+
+/// At most [`MAX_POINTS`] points that draw the same line: the lowest and the highest of each stretch.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    if points.len() <= MAX_POINTS {
+        return points.to_vec();
+    }
+    let stretch = (2 * points.len()).div_ceil(MAX_POINTS);
+    let ends = |part: &[(f64, f64)]| {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let (low, high) = (part.iter().min_by(by_value), part.iter().max_by(by_value));
+        let mut ends: Vec<_> = low.into_iter().chain(high).copied().collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ends
+    };
+    points.chunks(stretch).flat_map(ends).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_peaks() {
+        let mut points: Vec<_> = (0..1_000_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[123_457].1 = 7.0;
+        points[765_431].1 = -3.0;
+        let thin = thinned(&points);
+        assert!(thin.len() <= MAX_POINTS);
+        assert!(thin.contains(&(123_457.0, 7.0)) && thin.contains(&(765_431.0, -3.0)));
+    }
+
+    #[test]
+    fn nothing_and_a_flat_line_still_have_a_range() {
+        for points in [vec![], vec![(0.0, 0.0), (1.0, 0.0)], vec![(0.0, 5.0)]] {
+            let (time, value) = ranges(&[Curve { name: "f", points }]);
+            assert!(time.start < time.end && value.start < value.end, "{time:?} {value:?}");
+            assert!(time.end.is_finite() && value.end.is_finite());
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! From the scene file to the baked scene that the host reads.
+
+use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, Tier, Vec3};
+use haptor_wire as wire;
+use haptor_wire::{BakedScene, Coupling, Place, ProbeParts};
+
+use super::Scene;
+
+/// Gap between probe and object where a session starts \[m\]: clear of contact, a short way to go.
+const HOVER: f32 = 0.005;
+
+impl Scene {
+    /// Everything the host needs, with the device placed so that its origin puts the probe 5 mm above the object.
+    ///
+    /// # Errors
+    /// In words, what the scene holds that the host does not take.
+    pub fn bake(&self) -> Result<BakedScene, String> {
+        if self.params.force_law != ForceLaw::Hertz {
+            return Err("model.force_law: the host computes the hertz law only; remove the key, or use eval".to_owned());
+        }
+        if self.params.guard != GuardSpec::default() {
+            return Err("[guard]: the host takes its limits from the device; remove the section, or use eval --guard".to_owned());
+        }
+        let (spec, params, material) = (self.model_spec(), &self.params, &self.object.material);
+        Ok(BakedScene {
+            object: object_shape(self.object.shape),
+            fixed_below: self.object.fixed_below.unwrap_or(self.object.shape.default_fixed_below()),
+            young_modulus: material.young_modulus,
+            poisson_ratio: material.poisson_ratio,
+            density: material.density,
+            compliance: self.object.compliance.map(|c| wire::Compliance { normal: c.normal, drag: c.drag, twist: c.twist }),
+            probe: parts(&self.probe.parts)?,
+            mass: self.probe.mass,
+            friction_static: params.friction_static.unwrap_or(params.friction_dynamic),
+            friction_dynamic: params.friction_dynamic,
+            region_distance: params.region_distance,
+            // at most 10 and 1024: the scene has been validated
+            max_regions: params.max_regions as u8,
+            tier: tier(params.tier),
+            samples: params.samples as u16,
+            sweeps: self.extras.sweeps,
+            deformation: self.extras.deformation,
+            coupling: Coupling::Direct,
+            breakaway: breakaway(params.breakaway),
+            gravity: params.gravity,
+            paper_length: spec.paper_length,
+            place: Place { p_wd: self.hover().to_array(), q_wd: [1.0, 0.0, 0.0, 0.0] },
+        })
+    }
+
+    /// Position of the unturned probe 5 mm above the object's top \[m\].
+    fn hover(&self) -> Vec3 {
+        Vec3::new(0.0, 0.0, self.touch_height() + HOVER)
+    }
+
+    /// Height of the unturned probe's origin when its lowest point is level with the object's top \[m\].
+    pub fn touch_height(&self) -> f32 {
+        let lowest = self.probe.parts.iter().map(lowest).fold(f32::INFINITY, f32::min);
+        self.object.shape.height() - lowest
+    }
+}
+
+/// Height of a part's lowest point in the probe's frame \[m\].
+///
+/// The support of a convex shape in direction -z, taken in the part's own frame: the part's lowest point is where its direction
+/// towards the ground leaves it.
+fn lowest(part: &ProbePart) -> f32 {
+    let down = part.rotation.conjugate() * -Vec3::Z;
+    let across = (down.x * down.x + down.y * down.y).sqrt();
+    let reach = match part.shape {
+        ProbeShape::Sphere { radius } => radius,
+        ProbeShape::Box { size } => (0.5 * size * down.abs()).element_sum(),
+        ProbeShape::Ellipsoid { semi_axes } => (semi_axes * down).length(),
+        ProbeShape::Cylinder { radius, height } => radius * across + 0.5 * height * down.z.abs(),
+        ProbeShape::Capsule { radius, height } => radius + 0.5 * height * down.z.abs(),
+        ProbeShape::Cone { radius, height } => (-0.75 * height * down.z).max(radius * across + 0.25 * height * down.z),
+    };
+    part.position.z - reach
+}
+
+fn object_shape(shape: ObjectShape) -> wire::ObjectShape {
+    match shape {
+        ObjectShape::HalfSpace => wire::ObjectShape::HalfSpace,
+        ObjectShape::Box { size } => wire::ObjectShape::Box { size: size.to_array() },
+        ObjectShape::Sphere { radius } => wire::ObjectShape::Sphere { radius },
+        ObjectShape::Ellipsoid { semi_axes } => wire::ObjectShape::Ellipsoid { semi_axes: semi_axes.to_array() },
+        ObjectShape::Cylinder { radius, height } => wire::ObjectShape::Cylinder { radius, height },
+    }
+}
+
+fn parts(parts: &[ProbePart]) -> Result<ProbeParts, String> {
+    let converted: Vec<_> = parts.iter().map(part).collect();
+    ProbeParts::from_slice(&converted)
+        .ok_or_else(|| format!("probe.part: {} parts, the host takes {}", parts.len(), wire::scene::MAX_PARTS))
+}
+
+fn part(part: &ProbePart) -> wire::ProbePart {
+    let q = part.rotation;
+    wire::ProbePart { shape: probe_shape(part.shape), position: part.position.to_array(), rotation: [q.w, q.x, q.y, q.z] }
+}
+
+fn probe_shape(shape: ProbeShape) -> wire::ProbeShape {
+    match shape {
+        ProbeShape::Sphere { radius } => wire::ProbeShape::Sphere { radius },
+        ProbeShape::Box { size } => wire::ProbeShape::Box { size: size.to_array() },
+        ProbeShape::Cylinder { radius, height } => wire::ProbeShape::Cylinder { radius, height },
+        ProbeShape::Cone { radius, height } => wire::ProbeShape::Cone { radius, height },
+        ProbeShape::Capsule { radius, height } => wire::ProbeShape::Capsule { radius, height },
+        ProbeShape::Ellipsoid { semi_axes } => wire::ProbeShape::Ellipsoid { semi_axes: semi_axes.to_array() },
+    }
+}
+
+fn tier(tier: Tier) -> wire::Tier {
+    match tier {
+        Tier::Point => wire::Tier::Point,
+        Tier::Paper => wire::Tier::Paper,
+        Tier::Bristle => wire::Tier::Bristle,
+    }
+}
+
+fn breakaway(breakaway: Breakaway) -> wire::Breakaway {
+    match breakaway {
+        Breakaway::Smooth => wire::Breakaway::Smooth,
+        Breakaway::Sharp => wire::Breakaway::Sharp,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
+    use haptor_contact::Quat;
+
+    use super::*;
+
+    #[test]
+    fn the_lowest_point_of_each_shape_lying_and_standing() {
+        let lying = Quat::from_rotation_x(FRAC_PI_2);
+        let upside_down = Quat::from_rotation_x(2.0 * FRAC_PI_2);
+        let (radius, height) = (0.01, 0.08);
+        let size = Vec3::new(0.02, 0.04, 0.06);
+        let table = [
+            ("ball", ProbeShape::Sphere { radius }, lying, 0.01),
+            ("box standing", ProbeShape::Box { size }, Quat::IDENTITY, 0.03),
+            ("box lying", ProbeShape::Box { size }, lying, 0.02),
+            ("ellipsoid lying", ProbeShape::Ellipsoid { semi_axes: size }, lying, 0.04),
+            ("cylinder standing", ProbeShape::Cylinder { radius, height }, Quat::IDENTITY, 0.04),
+            ("cylinder lying", ProbeShape::Cylinder { radius, height }, lying, 0.01),
+            ("capsule standing", ProbeShape::Capsule { radius, height }, Quat::IDENTITY, 0.05),
+            ("cone, tip down", ProbeShape::Cone { radius, height }, Quat::IDENTITY, 0.06),
+            ("cone, tip up", ProbeShape::Cone { radius, height }, upside_down, 0.02),
+            ("cone lying", ProbeShape::Cone { radius, height }, lying, 0.01),
+        ];
+        for (name, shape, rotation, reach) in table {
+            let found = lowest(&ProbePart { shape, position: Vec3::new(0.0, 0.0, 0.5), rotation });
+            assert!((found - (0.5 - reach)).abs() < 1e-6, "{name}: {found}");
+        }
+    }
+}

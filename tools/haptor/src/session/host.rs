@@ -1,0 +1,75 @@
+//! The real-time host as a child process, and what it says over the tool link.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::Command;
+use std::sync::mpsc::{self, Receiver};
+use std::thread;
+
+use haptor_wire::{FromHost, StreamDecoder, stream_bound};
+
+use crate::failure::Failure;
+use crate::programs::{self, Child};
+
+/// Bytes of the longest frame of the tool link.
+const FRAME_MAX: usize = stream_bound(FromHost::MAX_ENCODED);
+
+/// Bytes read from the pipe at once: some tens of frames.
+const CHUNK: usize = 4096;
+
+/// How a session is run.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    /// The baked scene.
+    pub model: &'a Path,
+    /// The device, as the host spells it: `serial:PORT`, `usb[:SERIAL]`.
+    pub device: &'a str,
+    /// Ticks per second \[Hz\].
+    pub rate_hz: u32,
+    /// Length of the session \[s\].
+    pub seconds: f64,
+    /// The recording to write.
+    pub record: &'a Path,
+}
+
+/// A running host.
+#[derive(Debug)]
+pub struct Host {
+    /// The running program.
+    pub child: Child,
+    /// What it says, in order; closed at its end.
+    pub messages: Receiver<FromHost>,
+}
+
+impl Host {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// [`Failure::Problem`] when it is missing or does not start.
+    pub fn start(plan: &Plan<'_>) -> Result<Self, Failure> {
+        let mut command = Command::new(programs::find(programs::HOST)?);
+        command.arg(plan.model).args(["--device", plan.device, "--rate", &plan.rate_hz.to_string(), "--rt", "ignore"]);
+        command.args(["--seconds", &plan.seconds.to_string(), "--status", "frames"]).arg("--record").arg(plan.record);
+        let mut child = Child::start(&mut command)?;
+        let (send, messages) = mpsc::channel();
+        if let Some(mut output) = child.stdout() {
+            thread::spawn(move || decode(&mut output, |message| send.send(message).is_ok()));
+        }
+        Ok(Self { child, messages })
+    }
+}
+
+/// Decodes the stream until it ends or nobody wants more.
+fn decode(stream: &mut impl Read, mut wanted: impl FnMut(FromHost) -> bool) {
+    let mut decoder = StreamDecoder::<FRAME_MAX>::new();
+    let mut bytes = [0; CHUNK];
+    while let Ok(count @ 1..) = stream.read(&mut bytes) {
+        for &byte in &bytes[..count] {
+            if let Some(message) = decoder.push(byte)
+                && !wanted(message)
+            {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! A session of the three programs: simulated device, real-time host, and this one looking on.
+//!
+//! ```text
+//! haptor-firmware-sim ── pty, the device link ── haptor-host ── pipe, the tool link ── haptor
+//!                                                     └── recording (file)
+//! ```
+
+pub mod device;
+pub mod host;
+pub mod recording;
+pub mod report;
+pub mod table;

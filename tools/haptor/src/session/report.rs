@@ -1,0 +1,159 @@
+//! What a session comes to: the table that `demo` prints, and whether it was good.
+
+use std::fmt::Write;
+
+use haptor_wire::{HostFault, Quantiles, Summary, TickRecord};
+
+use super::recording::Recording;
+
+/// Share of ticks in time below which a session is warned about (libfranka's mark).
+const SHARE_WARN: f64 = 0.95;
+
+/// Share of ticks in time below which a session has failed (libfranka's mark).
+const SHARE_FAIL: f64 = 0.90;
+
+/// A session in figures.
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// The host's own, or what the recording gives when the host did not end in order.
+    pub summary: Summary,
+    /// The first fault that latched.
+    pub fault: Option<HostFault>,
+    /// The host ended in order and said so.
+    pub complete: bool,
+}
+
+impl Figures {
+    /// Figures from the host's last word, else from the recording.
+    pub fn new(said: Option<Summary>, recording: &Recording) -> Self {
+        let complete = said.or(recording.summary);
+        let summary = complete.unwrap_or_else(|| from_ticks(&recording.ticks));
+        Self { summary, fault: summary.fault.or(recording.fault()), complete: complete.is_some() }
+    }
+
+    /// Share of ticks in time, 0 to 1.
+    pub fn share(&self) -> f64 {
+        if self.summary.ticks == 0 { 0.0 } else { self.summary.in_time as f64 / self.summary.ticks as f64 }
+    }
+
+    /// Why the session was no good; `None` when it was good.
+    pub fn verdict(&self) -> Option<String> {
+        if let Some(fault) = self.fault {
+            return Some(format!("a fault was latched: {}", fault.name()));
+        }
+        if !self.complete {
+            return Some("the host did not end in order".to_owned());
+        }
+        if self.share() < SHARE_FAIL {
+            let share = 100.0 * self.share();
+            return Some(format!("{share:.2} % of the ticks were in time, at least 90 % must be; run `haptor doctor`"));
+        }
+        None
+    }
+
+    /// A good session with something to be said about it.
+    pub fn warning(&self) -> Option<String> {
+        let share = self.share();
+        (share < SHARE_WARN)
+            .then(|| format!("{:.2} % of the ticks were in time, 95 % are wanted; run `haptor doctor`", 100.0 * share))
+    }
+
+    /// The table, one line per figure.
+    pub fn table(&self) -> String {
+        let s = &self.summary;
+        let fault = self.fault.map_or("none", HostFault::name);
+        let lost = format!(
+            "{} lost, {} rejected, {} out of order, {} not recorded",
+            s.lost, s.rejected, s.out_of_order, s.recorder_dropped
+        );
+        let rows = [
+            ("ticks", format!("{} ({:.3} % in time, {} late)", s.ticks, 100.0 * self.share(), s.late)),
+            ("peak force", format!("{:.3} N", s.peak_force)),
+            ("peak torque", format!("{:.5} N m", s.peak_torque)),
+            ("step p50 / p99.9 / max", microseconds(&s.step_ns)),
+            ("wake-up p50 / p99.9 / max", microseconds(&s.wake_ns)),
+            ("round trip p50 / p99.9 / max", microseconds(&s.round_trip_ns)),
+            ("messages", lost),
+            ("real-time policy", policy(s)),
+            ("fault", fault.to_owned()),
+        ];
+        rows.iter().fold(String::new(), |mut table, (name, value)| {
+            // writing to a string cannot fail
+            let _ = writeln!(table, "{name:<30}{value}");
+            table
+        })
+    }
+}
+
+fn microseconds(ns: &Quantiles) -> String {
+    let us = |ns: u32| f64::from(ns) / 1.0e3;
+    format!("{:.1} / {:.1} / {:.1} us", us(ns.p50), us(ns.p999), us(ns.max))
+}
+
+fn policy(summary: &Summary) -> String {
+    let rt = summary.rt;
+    let parts = [(rt.fifo, "SCHED_FIFO"), (rt.locked, "memory locked"), (rt.pinned, "pinned"), (rt.dma_latency, "no deep sleep")];
+    let had: Vec<_> = parts.iter().filter(|(had, _)| *had).map(|(_, name)| *name).collect();
+    if had.is_empty() { "none granted".to_owned() } else { had.join(", ") }
+}
+
+/// What the ticks of an unfinished recording give; what they cannot give is zero.
+fn from_ticks(ticks: &[TickRecord]) -> Summary {
+    let count = ticks.len() as u64;
+    let magnitude = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
+    Summary {
+        ticks: count,
+        in_time: count,
+        peak_force: ticks.iter().map(|tick| magnitude(tick.contact_force)).fold(0.0, f32::max),
+        peak_torque: ticks.iter().map(|tick| magnitude(tick.contact_torque)).fold(0.0, f32::max),
+        step_ns: quantiles(ticks.iter().map(|tick| tick.step_ns).collect()),
+        wake_ns: quantiles(ticks.iter().map(|tick| tick.wake_ns).collect()),
+        round_trip_ns: quantiles(ticks.iter().map(|tick| tick.round_trip_ns).filter(|&ns| ns > 0).collect()),
+        ..Summary::default()
+    }
+}
+
+fn quantiles(mut values: Vec<u32>) -> Quantiles {
+    values.sort_unstable();
+    let at = |share: f64| {
+        let index = (share * values.len() as f64).ceil() as usize;
+        values.get(index.saturating_sub(1)).copied().unwrap_or(0)
+    };
+    Quantiles { p50: at(0.5), p99: at(0.99), p999: at(0.999), p9999: at(0.9999), max: at(1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(in_time: u64, fault: Option<HostFault>, complete: bool) -> Figures {
+        Figures { summary: Summary { ticks: 1000, in_time, ..Summary::default() }, fault, complete }
+    }
+
+    #[test]
+    fn a_session_is_good_when_in_time_and_without_fault() {
+        let table = [
+            (figures(1000, None, true), None, None),
+            (figures(940, None, true), None, Some("95 % are wanted")),
+            (figures(899, None, true), Some("90 % must be"), Some("95 % are wanted")),
+            (figures(1000, Some(HostFault::LinkLost), true), Some("link lost"), None),
+            (figures(1000, None, false), Some("did not end in order"), None),
+        ];
+        for (figures, verdict, warning) in table {
+            let holds = |said: Option<String>, part: Option<&str>| match (said, part) {
+                (Some(said), Some(part)) => said.contains(part),
+                (said, part) => said.is_none() && part.is_none(),
+            };
+            assert!(holds(figures.verdict(), verdict), "{figures:?}");
+            assert!(holds(figures.warning(), warning), "{figures:?}");
+        }
+    }
+
+    #[test]
+    fn quantiles_of_few_values_are_among_them() {
+        let found = quantiles((1..=1000).rev().collect());
+        assert_eq!((found.p50, found.p999, found.max), (500, 999, 1000));
+        assert_eq!(quantiles(vec![7]).p50, 7);
+        assert_eq!(quantiles(vec![]).max, 0);
+    }
+}

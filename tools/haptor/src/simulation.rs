@@ -1,0 +1,42 @@
+//! The core over a trajectory: offline, deterministic, no device.
+
+use haptor_contact::{
+    Input, Invalid, MAX_PARTS, MAX_SAMPLES, Model, Output, Params, ParamsSpec, PatchReport, Pose, Scratch, State, step,
+};
+
+use crate::scene::Scene;
+use crate::trajectory::Row;
+
+/// A scene whose ticks are run one by one.
+pub struct Simulation<'a> {
+    model: Model<'a>,
+    params: Params,
+    state: Box<State<MAX_PARTS, MAX_SAMPLES>>,
+    scratch: Box<Scratch<MAX_PARTS>>,
+}
+
+impl<'a> Simulation<'a> {
+    /// A scene at rest, with `params` in place of its own.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first value out of range.
+    pub fn new(scene: &'a Scene, params: &ParamsSpec) -> Result<Self, Invalid> {
+        Ok(Self {
+            model: Model::new(&scene.model_spec())?,
+            params: Params::new(params)?,
+            state: Box::new(State::new()),
+            scratch: Box::new(Scratch::new()),
+        })
+    }
+
+    /// One tick.
+    pub fn tick(&mut self, row: &Row) -> Output {
+        let input = Input { pose: Pose::new(row.position, row.rotation), dt: row.dt };
+        step(&self.model, &self.params, &mut self.state, &mut self.scratch, input)
+    }
+
+    /// The patches in contact after the last tick, oldest first.
+    pub fn patches(&self) -> impl Iterator<Item = PatchReport> {
+        self.state.patches().iter().map(|patch| patch.report())
+    }
+}
