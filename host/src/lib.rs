@@ -1,0 +1,29 @@
+//! # haptor-host: the real-time thread that closes the loop
+//!
+//! One thread owns the link to the device and the contact core: pose in, wrench out, a thousand times a second and more. All
+//! else serves it from a distance.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | [`rt`] | the real-time thread: what it promises; its parts, one a file |
+//! | [`link`] | what carries bytes: serial, TCP, USB, memory; addresses; faults on purpose |
+//! | [`convert`] | wire ⇄ core, the only file that knows both |
+//! | [`frames`] | the frames `d` and `h` |
+//! | [`config`] | arguments, checked |
+//! | [`session`] | the threads of a run and the queues between them |
+//! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
+//! | [`error`] | what can go wrong outside the tick |
+//!
+//! The binary `haptor-host` is arguments in, exit code out. Other programs of this project start it and listen to its status; they do
+//! not link this crate, tests do.
+
+pub mod config;
+pub mod convert;
+pub mod error;
+pub mod frames;
+pub mod link;
+pub mod recorder;
+pub mod reopen;
+pub mod rt;
+pub mod session;
+pub mod status;

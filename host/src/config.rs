@@ -1,0 +1,189 @@
+//! What a run is told on the command line, checked before anything is opened.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+
+use crate::error::HostError;
+use crate::link::Address;
+use crate::rt::pace::Follow;
+use crate::rt::policy::RtPolicy;
+
+/// Slowest rate [Hz]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
+pub const RATE_MIN_HZ: u32 = 100;
+
+/// Fastest rate [Hz]: the micro-frames of high-speed USB.
+pub const RATE_MAX_HZ: u32 = 8000;
+
+/// Longest session [s]: a month.
+pub const SECONDS_MAX: f64 = 2.7e6;
+
+/// The arguments of `haptor-host`.
+#[derive(Parser, Clone, Debug)]
+#[command(name = "haptor-host", version, about = "Closes the loop between a haptic device and the contact core", after_help = HELP_END)]
+pub struct Args {
+    /// The baked scene (`haptor bake SCENE -o MODEL`)
+    pub model: PathBuf,
+    /// The device: serial:PATH, tcp:HOST:PORT, usb or usb:SERIAL
+    #[arg(long, value_name = "DEVICE")]
+    pub device: Address,
+    /// Ticks a second
+    #[arg(long, value_name = "HZ", default_value_t = 1000)]
+    pub rate: u32,
+    /// Whether to start without real-time rights
+    #[arg(long, value_enum, default_value_t = Rt::Enforce)]
+    pub rt: Rt,
+    /// CPU for the real-time thread; default: the last one it may use, if it is granted the real-time class
+    #[arg(long, value_name = "N")]
+    pub cpu: Option<usize>,
+    /// Length of the session; default: until Ctrl-C
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<f64>,
+    /// Where to record the session
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Where to write the last 1000 ticks before a fault; default: the recording's name with .blackbox
+    #[arg(long, value_name = "FILE")]
+    pub blackbox: Option<PathBuf>,
+    /// What goes to standard output: one table at the end, or frames for a program
+    #[arg(long, value_enum, default_value_t = StatusFormat::Text)]
+    pub status: StatusFormat,
+    /// What ticks follow; default: the clock, with USB the device
+    #[arg(long, value_enum)]
+    pub pace: Option<PaceArg>,
+}
+
+const HELP_END: &str = "\
+Example:
+  haptor-host cube-twist.model --device serial:/dev/ttyACM0 --rt enforce --seconds 10 --record session.rec
+
+Exit: 0 no fault and at least 90 % of the ticks in time; 1 a fault, a device or a machine that does not do; 2 bad usage or input.";
+
+/// `--rt`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rt {
+    /// Refuse to start without the rights, and say what to do
+    Enforce,
+    /// Run with what there is, and say so
+    Ignore,
+}
+
+/// `--status`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatusFormat {
+    /// One table at the end
+    Text,
+    /// Frames of the tool link, as they happen
+    Frames,
+}
+
+/// `--pace`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PaceArg {
+    /// The host's clock
+    Clock,
+    /// The device's reports
+    Device,
+}
+
+/// A checked run.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The baked scene.
+    pub model: PathBuf,
+    /// The device.
+    pub device: Address,
+    /// Ticks a second.
+    pub rate_hz: u32,
+    /// What to do without real-time rights.
+    pub rt: RtPolicy,
+    /// CPU asked for.
+    pub cpu: Option<usize>,
+    /// Ticks of the session; `None` = until stopped.
+    pub ticks: Option<u64>,
+    /// Recording.
+    pub record: Option<PathBuf>,
+    /// Black box, when there is anywhere to write it.
+    pub black_box: Option<PathBuf>,
+    /// Standard output.
+    pub status: StatusFormat,
+    /// What ticks follow.
+    pub follow: Follow,
+}
+
+impl Config {
+    /// Checks the arguments.
+    ///
+    /// # Errors
+    /// [`HostError::Argument`] names the first that is out of range.
+    pub fn new(args: Args) -> Result<Self, HostError> {
+        let out_of_range = |name, value: String, allowed| HostError::Argument { name, value, allowed };
+        if !(RATE_MIN_HZ..=RATE_MAX_HZ).contains(&args.rate) {
+            return Err(out_of_range("--rate", args.rate.to_string(), "100 to 8000 Hz"));
+        }
+        if let Some(seconds) = args.seconds
+            && !(seconds > 0.0 && seconds <= SECONDS_MAX)
+        {
+            return Err(out_of_range("--seconds", seconds.to_string(), "above 0 to 2.7e6 s"));
+        }
+        let beside = |record: &PathBuf| {
+            let mut name = record.clone().into_os_string();
+            name.push(".blackbox");
+            PathBuf::from(name)
+        };
+        let default_pace = if matches!(args.device, Address::Usb(_)) { PaceArg::Device } else { PaceArg::Clock };
+        Ok(Self {
+            black_box: args.blackbox.or_else(|| args.record.as_ref().map(beside)),
+            rt: match args.rt {
+                Rt::Enforce => RtPolicy::Enforce,
+                Rt::Ignore => RtPolicy::Ignore,
+            },
+            follow: match args.pace.unwrap_or(default_pace) {
+                PaceArg::Clock => Follow::Clock,
+                PaceArg::Device => Follow::Device,
+            },
+            ticks: args.seconds.map(|seconds| (seconds * f64::from(args.rate)).ceil() as u64),
+            model: args.model,
+            device: args.device,
+            rate_hz: args.rate,
+            cpu: args.cpu,
+            record: args.record,
+            status: args.status,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn config(extra: &[&str]) -> Result<Config, HostError> {
+        let args = ["haptor-host", "m", "--device", "tcp:127.0.0.1:4000"];
+        Config::new(Args::try_parse_from(args.iter().chain(extra)).unwrap())
+    }
+
+    #[test]
+    fn defaults() {
+        Args::command().debug_assert();
+        let c = config(&[]).unwrap();
+        assert_eq!((c.rate_hz, c.rt, c.ticks, c.follow), (1000, RtPolicy::Enforce, None, Follow::Clock));
+        assert_eq!(c.black_box, None);
+    }
+
+    #[test]
+    fn seconds_become_ticks_and_the_black_box_lies_beside_the_recording() {
+        let c = config(&["--rate", "2000", "--seconds", "1.5", "--record", "a/b.rec"]).unwrap();
+        assert_eq!((c.ticks, c.black_box), (Some(3000), Some("a/b.rec.blackbox".into())));
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named() {
+        for (extra, named) in
+            [(["--rate", "99"], "--rate is 99"), (["--seconds", "0"], "above 0"), (["--seconds", "nan"], "--seconds is NaN")]
+        {
+            let text = config(&extra).unwrap_err().to_string();
+            assert!(text.contains(named), "{text}");
+        }
+    }
+}

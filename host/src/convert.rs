@@ -1,0 +1,408 @@
+//! Between the wire and the core: the only file that names types of both.
+//!
+//! ```text
+//! BakedScene ──► Scene ──► Core { Model, Params, State, Scratch }          once, may fail with the parameter's name
+//! PoseReport ──► x_dh ──► x_wp = x_wd * x_dh ──► step ──► wrench in w ──► wrench in d ──► WrenchCommand      every tick
+//! ```
+//! Wire types may hold anything; what goes into the core has been checked here. A pose that is not finite, or whose quaternion is
+//! off unit length by more than [`QUATERNION_TOLERANCE`], is refused and the loop goes on as if none had come.
+
+use haptor_contact as contact;
+use haptor_contact::{
+    GuardSpec, Input, Invalid, Model, ModelSpec, Params, ParamsSpec, Pose, ProbeFrame, QUATERNION_TOLERANCE, Quat, Vec3, World,
+    Wrench,
+};
+use haptor_wire as wire;
+use haptor_wire::units::{
+    NOT_A_NUMBER, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unm_to_newton_metres,
+};
+use haptor_wire::{BakedScene, DeviceHello, PoseReport, WrenchCommand};
+
+use crate::frames::{DeviceBase, Handle};
+
+/// Patches that the core keeps in memory: as many as a probe may have parts.
+const PATCHES: usize = contact::MAX_PARTS;
+
+/// Samples per region for which there is memory. Four times the default; beyond, a step takes longer than a tick may.
+pub const SAMPLES: usize = 256;
+
+/// Time in which the guard lets the wrench go from zero to the device's limit [s]: fast for a hand, slow for a motor.
+const FULL_SCALE_S: f32 = 0.02;
+
+/// Why a baked scene cannot be run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// The bytes are not a baked scene of this version.
+    #[error(transparent)]
+    File(#[from] wire::scene_file::SceneFileError),
+    /// A value is out of its range.
+    #[error(transparent)]
+    Value(#[from] Invalid),
+    /// The scene asks for something that this build cannot do.
+    #[error("{key} = \"{value}\" is not available in this build; available: {available}")]
+    NotAvailable {
+        /// The scene file's key.
+        key: &'static str,
+        /// What it says.
+        value: &'static str,
+        /// What it may say.
+        available: &'static str,
+    },
+    /// More samples than there is memory for.
+    #[error("model.samples is {0}, the host has memory for 16 to {SAMPLES} a region")]
+    Samples(u16),
+}
+
+/// A checked scene: what the core is made from, and where the device stands.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    baked: BakedScene,
+    parts: [contact::ProbePart; contact::MAX_PARTS],
+    params: ParamsSpec,
+    x_wd: Pose<World, DeviceBase>,
+}
+
+impl Scene {
+    /// Checks a baked scene by making the core's model and parameters from it.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first key or value that does not pass.
+    pub fn new(baked: &BakedScene) -> Result<Self, SceneError> {
+        if baked.coupling == wire::Coupling::Virtual {
+            return Err(SceneError::NotAvailable { key: "model.coupling", value: "virtual", available: "direct" });
+        }
+        let mut parts = [contact::ProbePart::at_origin(contact::ProbeShape::Sphere { radius: 0.0 }); contact::MAX_PARTS];
+        for (part, from) in parts.iter_mut().zip(baked.probe.as_slice()) {
+            *part = probe_part(from);
+        }
+        let x_wd = Pose::new(Vec3::from_array(baked.place.p_wd), quaternion(baked.place.q_wd).ok_or_else(place_rotation)?);
+        let scene = Self { baked: *baked, parts, params: params_spec(baked)?, x_wd };
+        scene.core()?;
+        Ok(scene)
+    }
+
+    /// The core at rest, with all its memory.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`], which [`Self::new`] has ruled out.
+    pub fn core(&self) -> Result<Core<'_>, SceneError> {
+        Ok(Core {
+            model: Model::new(&self.model_spec())?,
+            spec: self.params,
+            params: Params::new(&self.params)?,
+            state: Box::new(contact::State::new()),
+            scratch: Box::new(contact::Scratch::new()),
+            x_wd: self.x_wd,
+        })
+    }
+
+    fn model_spec(&self) -> ModelSpec<'_> {
+        let baked = &self.baked;
+        let material =
+            contact::Material { young_modulus: baked.young_modulus, poisson_ratio: baked.poisson_ratio, density: baked.density };
+        let compliance = baked.compliance.map(|c| contact::Compliance { normal: c.normal, drag: c.drag, twist: c.twist });
+        ModelSpec {
+            fixed_below: Some(baked.fixed_below),
+            compliance,
+            mass: baked.mass,
+            paper_length: baked.paper_length,
+            ..ModelSpec::new(object_shape(&baked.object), material, &self.parts[..baked.probe.as_slice().len()])
+        }
+    }
+}
+
+fn place_rotation() -> Invalid {
+    Invalid { name: "place.q_wd (length)", value: f32::NAN, allowed: "a unit quaternion, within 1e-3" }
+}
+
+fn object_shape(shape: &wire::ObjectShape) -> contact::ObjectShape {
+    use wire::ObjectShape as From;
+    match *shape {
+        From::HalfSpace => contact::ObjectShape::HalfSpace,
+        From::Box { size } => contact::ObjectShape::Box { size: Vec3::from_array(size) },
+        From::Sphere { radius } => contact::ObjectShape::Sphere { radius },
+        From::Ellipsoid { semi_axes } => contact::ObjectShape::Ellipsoid { semi_axes: Vec3::from_array(semi_axes) },
+        From::Cylinder { radius, height } => contact::ObjectShape::Cylinder { radius, height },
+    }
+}
+
+/// As it is written; whether its rotation is one, the core's constructor checks.
+fn probe_part(part: &wire::ProbePart) -> contact::ProbePart {
+    let [w, x, y, z] = part.rotation;
+    contact::ProbePart {
+        shape: probe_shape(&part.shape),
+        position: Vec3::from_array(part.position),
+        rotation: Quat::from_xyzw(x, y, z, w),
+    }
+}
+
+fn probe_shape(shape: &wire::ProbeShape) -> contact::ProbeShape {
+    use wire::ProbeShape as From;
+    match *shape {
+        From::Sphere { radius } => contact::ProbeShape::Sphere { radius },
+        From::Box { size } => contact::ProbeShape::Box { size: Vec3::from_array(size) },
+        From::Cylinder { radius, height } => contact::ProbeShape::Cylinder { radius, height },
+        From::Cone { radius, height } => contact::ProbeShape::Cone { radius, height },
+        From::Capsule { radius, height } => contact::ProbeShape::Capsule { radius, height },
+        From::Ellipsoid { semi_axes } => contact::ProbeShape::Ellipsoid { semi_axes: Vec3::from_array(semi_axes) },
+    }
+}
+
+fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
+    if usize::from(baked.samples) > SAMPLES {
+        return Err(SceneError::Samples(baked.samples));
+    }
+    Ok(ParamsSpec {
+        friction_static: Some(baked.friction_static),
+        friction_dynamic: baked.friction_dynamic,
+        region_distance: baked.region_distance,
+        max_regions: usize::from(baked.max_regions),
+        tier: tier_to_core(baked.tier)?,
+        samples: usize::from(baked.samples),
+        breakaway: match baked.breakaway {
+            wire::Breakaway::Smooth => contact::Breakaway::Smooth,
+            wire::Breakaway::Sharp => contact::Breakaway::Sharp,
+        },
+        gravity: baked.gravity,
+        ..ParamsSpec::default()
+    })
+}
+
+fn tier_to_core(tier: wire::Tier) -> Result<contact::Tier, SceneError> {
+    match tier {
+        wire::Tier::Point => Ok(contact::Tier::Point),
+        wire::Tier::Paper => Ok(contact::Tier::Paper),
+        wire::Tier::Bristle => Ok(contact::Tier::Bristle),
+        wire::Tier::Influence | wire::Tier::Green => {
+            Err(SceneError::NotAvailable { key: "model.tier", value: tier.name(), available: "point, paper, bristle" })
+        }
+    }
+}
+
+const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
+    match tier {
+        contact::Tier::Point => wire::Tier::Point,
+        contact::Tier::Paper => wire::Tier::Paper,
+        contact::Tier::Bristle => wire::Tier::Bristle,
+    }
+}
+
+/// The contact core with its four kinds of data, and the device's place.
+#[derive(Debug)]
+pub struct Core<'a> {
+    model: Model<'a>,
+    spec: ParamsSpec,
+    params: Params,
+    state: Box<contact::State<PATCHES, SAMPLES>>,
+    scratch: Box<contact::Scratch<PATCHES>>,
+    x_wd: Pose<World, DeviceBase>,
+}
+
+/// What a tick of the core felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// Wrench on the handle about its origin, after the guard.
+    pub wrench: Wrench<DeviceBase>,
+    /// Contact force on the probe, before the guard, in world \[N\].
+    pub contact_force: [f32; 3],
+    /// Contact torque on the probe about its mass centre, before the guard, in world \[N m\].
+    pub contact_torque: [f32; 3],
+    /// Regions in contact.
+    pub regions: u8,
+    /// Largest depth \[m\].
+    pub depth: f32,
+    /// Contact radius of the deepest region \[m\].
+    pub radius: f32,
+    /// Stuck share of the deepest region's area, 0 to 1.
+    pub stick: f32,
+    /// Tier used.
+    pub tier: wire::Tier,
+    /// The core's flags of this tick.
+    pub flags: u32,
+    /// A result was not finite; the wrench is zero.
+    pub non_finite: bool,
+    /// The core refused the pose: out of the world, or a jump no hand makes.
+    pub refused: bool,
+}
+
+impl Core<'_> {
+    /// Sets the guard to what the device renders. A device without torque keeps the guard's own limit: it says itself, in its
+    /// reports, that it does not render what it is asked for.
+    ///
+    /// # Errors
+    /// [`Invalid`] when the device claims to render no force; the guard then stays as it was.
+    pub fn fit_guard(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
+        let limit = |micro: u32| un_to_newtons(i32::try_from(micro).unwrap_or(i32::MAX));
+        let mut guard = GuardSpec { max_force: limit(device.max_force_un), ..self.spec.guard };
+        guard.max_force_rate = guard.max_force / FULL_SCALE_S;
+        if device.max_torque_unm > 0 {
+            guard.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
+            guard.max_torque_rate = guard.max_torque / FULL_SCALE_S;
+        }
+        let spec = ParamsSpec { guard, ..self.spec };
+        self.params = Params::new(&spec)?;
+        self.spec = spec;
+        Ok(())
+    }
+
+    /// One tick of the core; `dt` since the previous one \[s\].
+    pub fn step(&mut self, x_dh: &Pose<DeviceBase, Handle>, dt: f32) -> Felt {
+        let x_hp = Pose::<Handle, ProbeFrame>::IDENTITY;
+        let x_wp = self.x_wd.then(x_dh).then(&x_hp);
+        let output = contact::step(&self.model, &self.params, &mut self.state, &mut self.scratch, Input { pose: x_wp, dt });
+        let report = &output.report;
+        Felt {
+            wrench: self.in_device(&output.wrench),
+            contact_force: output.contact.force.to_array(),
+            contact_torque: output.contact.torque.to_array(),
+            regions: report.regions,
+            depth: report.depth,
+            radius: report.radius,
+            stick: report.stick,
+            tier: tier_to_wire(report.tier),
+            flags: report.flags.0,
+            non_finite: report.flags.contains(contact::Flags::NON_FINITE),
+            refused: report.flags.contains(contact::Flags::POSE_REFUSED),
+        }
+    }
+
+    fn in_device(&self, wrench: &Wrench<World>) -> Wrench<DeviceBase> {
+        let q_dw = self.x_wd.rotation.conjugate();
+        Wrench::new(q_dw * wrench.force, q_dw * wrench.torque)
+    }
+}
+
+/// The handle's pose `x_dh` of a report, renormalised; `None` when it is not a pose.
+#[must_use]
+pub fn handle_pose(report: &PoseReport) -> Option<Pose<DeviceBase, Handle>> {
+    if report.position_nm.contains(&NOT_A_NUMBER) {
+        return None;
+    }
+    let position = report.position_nm.map(nm_to_metres);
+    Some(Pose::new(Vec3::from_array(position), quaternion(report.rotation_q30.map(q30_to_unit))?))
+}
+
+/// Unit quaternion of (w, x, y, z); `None` when it is not finite or too far from unit length.
+fn quaternion([w, x, y, z]: [f32; 4]) -> Option<Quat> {
+    let q = Quat::from_xyzw(x, y, z, w);
+    // a NaN compares false
+    ((q.length() - 1.0).abs() <= QUATERNION_TOLERANCE).then(|| q.normalize())
+}
+
+/// The command that answers report `echo` with `wrench`, to be rendered for `hold_us` \[us\] at most.
+#[must_use]
+pub fn command(seq: u32, echo: u32, wrench: &Wrench<DeviceBase>, hold_us: u32) -> WrenchCommand {
+    let force_un = wrench.force.to_array().map(newtons_to_un);
+    let torque_unm = wrench.torque.to_array().map(newton_metres_to_unm);
+    WrenchCommand { seq, echo, force_un, torque_unm, hold_us }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_1_SQRT_2;
+    use wire::units::{metres_to_nm, unit_to_q30};
+    use wire::{Mode, ProbePart, ProbeParts};
+
+    fn baked() -> BakedScene {
+        let ball = ProbePart { shape: wire::ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
+        BakedScene {
+            object: wire::ObjectShape::HalfSpace,
+            fixed_below: 0.0,
+            young_modulus: 3.0e6,
+            poisson_ratio: 0.5,
+            density: 1100.0,
+            compliance: None,
+            probe: ProbeParts::from_slice(&[ball]).unwrap(),
+            mass: 1.0,
+            friction_static: 0.75,
+            friction_dynamic: 0.75,
+            region_distance: 0.004,
+            max_regions: 10,
+            tier: wire::Tier::Bristle,
+            samples: 64,
+            sweeps: 4,
+            deformation: wire::Deformation::Full,
+            coupling: wire::Coupling::Direct,
+            breakaway: wire::Breakaway::Smooth,
+            gravity: false,
+            paper_length: 0.1,
+            place: wire::Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
+        }
+    }
+
+    fn report(position: [f32; 3], rotation: [f32; 4]) -> PoseReport {
+        PoseReport {
+            seq: 1,
+            t_us: 0,
+            position_nm: position.map(metres_to_nm),
+            rotation_q30: rotation.map(unit_to_q30),
+            buttons: 0,
+            mode: Mode::Force,
+            flags: 0,
+            echo: 0,
+        }
+    }
+
+    #[test]
+    fn what_this_build_cannot_do_is_named() {
+        type Spoil = fn(&mut BakedScene);
+        let table: [(Spoil, &str); 6] = [
+            (|s| s.tier = wire::Tier::Influence, "model.tier = \"influence\""),
+            (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle"),
+            (|s| s.coupling = wire::Coupling::Virtual, "model.coupling"),
+            (|s| s.samples = 300, "16 to 256"),
+            (|s| s.young_modulus = -1.0, "object.young_modulus"),
+            (|s| s.place.q_wd = [0.0; 4], "place.q_wd"),
+        ];
+        for (spoil, named) in table {
+            let mut scene = baked();
+            spoil(&mut scene);
+            let text = Scene::new(&scene).unwrap_err().to_string();
+            assert!(text.contains(named), "{text} lacks {named}");
+        }
+        Scene::new(&baked()).unwrap();
+    }
+
+    #[test]
+    fn poses_are_renormalised_or_refused() {
+        let pose = handle_pose(&report([0.01, -0.02, 0.03], [FRAC_1_SQRT_2 * 1.0005, 0.0, FRAC_1_SQRT_2, 0.0])).unwrap();
+        assert!((pose.rotation.length() - 1.0).abs() < 1.0e-6);
+        assert!((pose.position - Vec3::new(0.01, -0.02, 0.03)).length() < 1.0e-8);
+        for bad in [
+            report([f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]),
+            report([0.0; 3], [f32::NAN, 0.0, 0.0, 0.0]),
+            report([0.0; 3], [1.002, 0.0, 0.0, 0.0]),
+            report([0.0; 3], [0.0; 4]),
+        ] {
+            assert!(handle_pose(&bad).is_none(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn a_press_is_felt_in_the_device_frame_wherever_the_device_stands() {
+        let upright = Scene::new(&baked()).unwrap();
+        let press = handle_pose(&report([0.0, 0.0, 0.0195], [1.0, 0.0, 0.0, 0.0])).unwrap();
+        let straight = upright.core().unwrap().step(&press, 1.0e-3);
+        assert!(straight.contact_force[2] > 1.0 && straight.regions == 1);
+
+        // the device lies on its side: its x axis is the world's z
+        let mut lying = baked();
+        lying.place = wire::Place { p_wd: [0.0, 0.0, 0.1], q_wd: [FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2, 0.0] };
+        let scene = Scene::new(&lying).unwrap();
+        let press = handle_pose(&report([0.0195 - 0.1, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])).unwrap();
+        let felt = scene.core().unwrap().step(&press, 1.0e-3);
+        assert!((felt.contact_force[2] / straight.contact_force[2] - 1.0).abs() < 1.0e-3);
+        assert!((felt.wrench.force.x - straight.wrench.force.z).abs() <= 1.0e-3 * straight.wrench.force.z);
+        assert!(felt.wrench.force.y.abs() + felt.wrench.force.z.abs() < 1.0e-3);
+    }
+
+    #[test]
+    fn commands_carry_micronewtons_and_a_nan_stays_one() {
+        let wrench = Wrench::new(Vec3::new(1.5, 0.0, -2.0), Vec3::new(0.0, f32::NAN, 0.1));
+        let c = command(3, 9, &wrench, 4000);
+        assert_eq!((c.seq, c.echo, c.hold_us), (3, 9, 4000));
+        assert_eq!(c.force_un, [1_500_000, 0, -2_000_000]);
+        assert_eq!(c.torque_unm, [0, NOT_A_NUMBER, 100_000]);
+    }
+}

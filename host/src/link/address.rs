@@ -1,0 +1,93 @@
+//! Where a device is, as the command line says it, and the one function that opens it.
+
+use std::fmt;
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use super::AnyLink;
+use super::serial::SerialLink;
+use super::tcp::TcpLink;
+use crate::error::HostError;
+
+/// Where a device is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// `serial:PATH`, a serial port or a pseudo-terminal.
+    Serial(PathBuf),
+    /// `tcp:HOST:PORT`.
+    Tcp(SocketAddr),
+    /// `usb` or `usb:SERIAL`; without a serial number the first device found.
+    Usb(Option<String>),
+}
+
+impl FromStr for Address {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
+        match (kind, rest) {
+            ("serial", "") | ("tcp", "") => Err(format!("`{text}` lacks what follows `{kind}:`")),
+            ("serial", path) => Ok(Self::Serial(path.into())),
+            ("tcp", address) => resolve(address).map(Self::Tcp),
+            ("usb", "") => Ok(Self::Usb(None)),
+            ("usb", serial) => Ok(Self::Usb(Some(serial.to_owned()))),
+            _ => Err(format!("`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL")),
+        }
+    }
+}
+
+fn resolve(address: &str) -> Result<SocketAddr, String> {
+    let mut found = address.to_socket_addrs().map_err(|e| format!("`{address}` is no address and port: {e}"))?;
+    found.next().ok_or_else(|| format!("`{address}` names no machine"))
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial(path) => write!(f, "serial:{}", path.display()),
+            Self::Tcp(address) => write!(f, "tcp:{address}"),
+            Self::Usb(None) => f.write_str("usb"),
+            Self::Usb(Some(serial)) => write!(f, "usb:{serial}"),
+        }
+    }
+}
+
+/// Opens the link to a device. Allocates and may block for seconds: not for the real-time thread.
+///
+/// # Errors
+/// [`HostError::Open`] with the device and the system's reason.
+pub fn open(address: &Address) -> Result<AnyLink, HostError> {
+    let failed = |reason: std::io::Error| HostError::Open { device: address.to_string(), reason };
+    match address {
+        Address::Serial(path) => Ok(Box::new(SerialLink::open(path).map_err(failed)?)),
+        Address::Tcp(to) => Ok(Box::new(TcpLink::connect(*to).map_err(failed)?)),
+        #[cfg(feature = "usb")]
+        Address::Usb(serial) => Ok(Box::new(super::usb::UsbLink::open(serial.as_deref()).map_err(failed)?)),
+        #[cfg(not(feature = "usb"))]
+        Address::Usb(_) => Err(failed(std::io::Error::new(
+            std::io::ErrorKind::Unsupported,
+            "this build has no USB; build haptor-host with its feature `usb`",
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_read_as_they_print() {
+        for text in ["serial:/dev/ttyACM0", "tcp:127.0.0.1:4000", "usb", "usb:A17"] {
+            assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn what_is_no_address_says_what_is_allowed() {
+        for text in ["", "serial", "serial:", "tcp:", "tcp:localhost", "can:0"] {
+            assert!(text.parse::<Address>().is_err(), "{text}");
+        }
+        assert!("can:0".parse::<Address>().unwrap_err().contains("usb:SERIAL"));
+    }
+}

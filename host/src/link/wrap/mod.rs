@@ -1,0 +1,5 @@
+//! Links around links.
+
+mod fault;
+
+pub use fault::{FaultLink, Plan};

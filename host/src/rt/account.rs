@@ -1,0 +1,151 @@
+//! What a session leaves behind: one record a tick, figures, and news for who looks on. Everything goes into bounded queues whose
+//! memory is there from the start; what does not fit is dropped and counted.
+
+use haptor_wire::{FaultRecord, FromHost, Progress, Quantiles, Record, RtReport, SessionHello, Summary, TickRecord};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::blackbox::BlackBox;
+use super::budget::Budget;
+use super::faults::Faults;
+use super::histogram::Durations;
+use super::line::Line;
+
+/// Records that the recorder may fall behind: four seconds at the default rate, longer than a disk stalls.
+const RECORDS_WAITING: usize = 4096;
+
+/// News that the status thread may fall behind.
+const NEWS_WAITING: usize = 64;
+
+/// Time between two progress messages [ns]: a progress bar wants no more.
+const PROGRESS_EVERY_NS: u64 = 100_000_000;
+
+/// The other ends of the queues.
+#[derive(Debug)]
+pub struct Readers {
+    /// Ticks and faults, for the recording.
+    pub records: Consumer<Record>,
+    /// Hello, progress and faults, for the status.
+    pub news: Consumer<FromHost>,
+}
+
+/// The books of a session.
+#[derive(Debug)]
+pub struct Account {
+    budget: Budget,
+    wake: Durations,
+    step: Durations,
+    peak_force: f32,
+    peak_torque: f32,
+    black_box: BlackBox,
+    records: Producer<Record>,
+    news: Producer<FromHost>,
+    dropped: u64,
+    progress_due_ns: u64,
+}
+
+impl Account {
+    /// Empty books and the other ends of their queues.
+    #[must_use]
+    pub fn new(black_box: BlackBox) -> (Self, Readers) {
+        let (records, records_out) = RingBuffer::new(RECORDS_WAITING);
+        let (news, news_out) = RingBuffer::new(NEWS_WAITING);
+        let account = Self {
+            budget: Budget::default(),
+            wake: Durations::new(),
+            step: Durations::new(),
+            peak_force: 0.0,
+            peak_torque: 0.0,
+            black_box,
+            records,
+            news,
+            dropped: 0,
+            progress_due_ns: 0,
+        };
+        (account, Readers { records: records_out, news: news_out })
+    }
+
+    /// Ticks so far.
+    #[must_use]
+    pub const fn budget(&self) -> &Budget {
+        &self.budget
+    }
+
+    /// The session begins.
+    pub fn begin(&mut self, hello: SessionHello) {
+        self.tell(FromHost::Hello(hello));
+    }
+
+    /// Closes a tick: `stepped` = the core ran in it.
+    pub fn tick(&mut self, record: &TickRecord, stepped: bool, slept_through: u64, in_time: bool) {
+        self.budget.count(in_time, slept_through);
+        self.wake.record_ns(record.wake_ns.into());
+        if stepped {
+            self.step.record_ns(record.step_ns.into());
+            self.peak_force = self.peak_force.max(length(record.contact_force));
+            self.peak_torque = self.peak_torque.max(length(record.contact_torque));
+        }
+        self.black_box.record(record);
+        self.keep(Record::Tick(*record));
+    }
+
+    /// Tells how it goes, when it is time to.
+    pub fn progress(&mut self, record: &TickRecord, faults: &Faults, now_ns: u64) {
+        if now_ns < self.progress_due_ns {
+            return;
+        }
+        self.progress_due_ns = now_ns + PROGRESS_EVERY_NS;
+        self.tell(FromHost::Progress(Progress {
+            tick: record.tick,
+            regions: record.regions,
+            force: record.contact_force,
+            torque: record.contact_torque,
+            step_ns: record.step_ns,
+            in_time_permille: (self.budget.share() * 1000.0) as u16,
+            fault: faults.cause(),
+        }));
+    }
+
+    /// A fault has latched: it is told, recorded, and the black box handed over.
+    pub fn fault(&mut self, fault: FaultRecord) {
+        self.tell(FromHost::Fault(fault));
+        self.keep(Record::Fault(fault));
+        self.black_box.hand_over(fault);
+    }
+
+    fn keep(&mut self, record: Record) {
+        self.dropped += u64::from(self.records.push(record).is_err());
+    }
+
+    /// News that find no room are old news to a reader that slow; the summary does not go this way.
+    fn tell(&mut self, message: FromHost) {
+        let _ = self.news.push(message);
+    }
+
+    /// The session in figures.
+    #[must_use]
+    pub fn summary(&self, line: &Line, faults: &Faults, rt: RtReport) -> Summary {
+        let counts = line.counts();
+        let figures = |durations: &Durations| -> Quantiles { durations.quantiles() };
+        Summary {
+            ticks: self.budget.ticks(),
+            in_time: self.budget.in_time,
+            late: self.budget.late,
+            lost: counts.lost,
+            rejected: line.rejected(),
+            out_of_order: counts.out_of_order,
+            recorder_dropped: self.dropped,
+            peak_force: self.peak_force,
+            peak_torque: self.peak_torque,
+            step_ns: figures(&self.step),
+            wake_ns: figures(&self.wake),
+            round_trip_ns: figures(line.trips.durations()),
+            rt,
+            fault: faults.cause(),
+        }
+    }
+}
+
+/// Length of a vector, in f64 so that no square overflows.
+fn length(v: [f32; 3]) -> f32 {
+    v.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt() as f32
+}

@@ -1,0 +1,157 @@
+//! The last thousand ticks, kept in memory that is there from the start and handed over with any fault.
+//!
+//! Two buffers: one records while the other is being written to a file by an ordinary thread and comes back. Handing over moves a
+//! pointer. While both are away nothing is lost but the hand-over itself, and that is counted.
+
+use haptor_wire::{FaultRecord, TickRecord};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+/// Ticks kept: a second at the default rate, ten times the longest fault drill.
+pub const BLACKBOX_TICKS: usize = 1000;
+
+/// Buffers going round: one recording, one with the writer.
+const BUFFERS: usize = 2;
+
+/// A full or partly full ring of ticks.
+#[derive(Debug)]
+pub struct Ring {
+    ticks: Box<[TickRecord]>,
+    recorded: usize,
+}
+
+impl Ring {
+    fn new() -> Self {
+        Self { ticks: vec![TickRecord::default(); BLACKBOX_TICKS].into_boxed_slice(), recorded: 0 }
+    }
+
+    fn push(&mut self, tick: &TickRecord) {
+        self.ticks[self.recorded % BLACKBOX_TICKS] = *tick;
+        self.recorded += 1;
+    }
+
+    /// The ticks, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = &TickRecord> {
+        let kept = self.recorded.min(BLACKBOX_TICKS);
+        let oldest = self.recorded - kept;
+        (oldest..self.recorded).map(|i| &self.ticks[i % BLACKBOX_TICKS])
+    }
+}
+
+/// What is handed over: the fault and the ticks up to it.
+#[derive(Debug)]
+pub struct Dump {
+    /// The fault.
+    pub fault: FaultRecord,
+    /// The last ticks, the one in which the fault latched included.
+    pub ring: Ring,
+}
+
+/// The recording end, on the real-time thread.
+#[derive(Debug)]
+pub struct BlackBox {
+    ring: Option<Ring>,
+    dumps: Producer<Dump>,
+    spare: Consumer<Ring>,
+    lost: u32,
+}
+
+/// The writing end, on an ordinary thread.
+#[derive(Debug)]
+pub struct BlackBoxReader {
+    dumps: Consumer<Dump>,
+    spare: Producer<Ring>,
+}
+
+/// Both ends, with all their memory.
+#[must_use]
+pub fn black_box() -> (BlackBox, BlackBoxReader) {
+    let (dumps, reader_dumps) = RingBuffer::new(BUFFERS);
+    let (mut reader_spare, spare) = RingBuffer::new(BUFFERS);
+    for _ in 1..BUFFERS {
+        let _ = reader_spare.push(Ring::new());
+    }
+    let writer = BlackBox { ring: Some(Ring::new()), dumps, spare, lost: 0 };
+    (writer, BlackBoxReader { dumps: reader_dumps, spare: reader_spare })
+}
+
+impl BlackBox {
+    /// Keeps a tick, over the oldest.
+    pub fn record(&mut self, tick: &TickRecord) {
+        if self.ring.is_none() {
+            self.ring = self.spare.pop().ok();
+        }
+        if let Some(ring) = &mut self.ring {
+            ring.push(tick);
+        }
+    }
+
+    /// Hands the ticks so far over with `fault` and begins anew.
+    pub fn hand_over(&mut self, fault: FaultRecord) {
+        let Some(ring) = self.ring.take() else {
+            self.lost = self.lost.saturating_add(1);
+            return;
+        };
+        // as many places as buffers: there is room
+        let _ = self.dumps.push(Dump { fault, ring });
+    }
+
+    /// Faults whose ticks could not be handed over because the writer still had both buffers.
+    #[must_use]
+    pub const fn lost(&self) -> u32 {
+        self.lost
+    }
+}
+
+impl BlackBoxReader {
+    /// The next dump, if any.
+    pub fn take(&mut self) -> Option<Dump> {
+        self.dumps.pop().ok()
+    }
+
+    /// Returns a buffer for the next thousand ticks.
+    pub fn give_back(&mut self, mut ring: Ring) {
+        ring.recorded = 0;
+        // as many places as buffers: there is room
+        let _ = self.spare.push(ring);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptor_wire::HostFault;
+
+    const FAULT: FaultRecord = FaultRecord { cause: HostFault::Stale, tick: 0, after_ticks: 20 };
+
+    fn record(writer: &mut BlackBox, ticks: std::ops::Range<u64>) {
+        ticks.for_each(|tick| writer.record(&TickRecord { tick, ..TickRecord::default() }));
+    }
+
+    #[test]
+    fn the_last_thousand_come_oldest_first() {
+        let (mut writer, mut reader) = black_box();
+        for (from, to, first) in [(0, 10, 0), (0, 1000, 0), (0, 2345, 1345)] {
+            record(&mut writer, from..to);
+            writer.hand_over(FAULT);
+            let dump = reader.take().unwrap();
+            assert!(dump.ring.iter().map(|t| t.tick).eq(first..to));
+            reader.give_back(dump.ring);
+        }
+    }
+
+    #[test]
+    fn a_writer_that_keeps_both_buffers_costs_hand_overs_and_no_more() {
+        let (mut writer, mut reader) = black_box();
+        for _ in 0..3 {
+            record(&mut writer, 0..5);
+            writer.hand_over(FAULT);
+        }
+        assert_eq!(writer.lost(), 1);
+        let dump = reader.take().unwrap();
+        reader.give_back(dump.ring);
+        record(&mut writer, 7..9);
+        writer.hand_over(FAULT);
+        reader.take().unwrap();
+        assert!(reader.take().unwrap().ring.iter().map(|t| t.tick).eq(7..9));
+    }
+}

@@ -1,0 +1,187 @@
+//! What goes to the device when no fresh wrench does: hold, fade, zero; and when forces may come back.
+//!
+//! ```text
+//!            no pose: hold the last wrench, HOLD ticks; fade it to zero, FADE ticks; fault
+//!   Open ────────────────────────────────────────────────────────────────────────────────► Closed (zero)
+//!     ▲                       any other fault: at once                                        │
+//!     └──────── the contact's wrench was small for CALM ticks in a row ◄──────────────────────┘
+//! ```
+//! The last rule is CHAI3D's (`cGenericTool`, "wait for small force"): after a fault a hand that is deep in the object is not hit by
+//! the full force at once, it has to come out first. The fault stays latched for the session's end; only the output opens again.
+
+use haptor_contact::Wrench;
+
+use crate::frames::DeviceBase;
+
+/// Ticks without a fresh pose through which the last wrench is repeated: a late or lost report or three is normal on USB and TCP.
+pub const HOLD_TICKS: u32 = 4;
+
+/// Ticks over which it then fades to zero: fast enough that 20 ms after the last pose nothing pushes, slow enough for no click.
+pub const FADE_TICKS: u32 = 16;
+
+/// Ticks from the last fresh pose to zero wrench.
+pub const ZERO_AFTER_TICKS: u32 = HOLD_TICKS + FADE_TICKS;
+
+/// Contact force under which the output may open again [N]: what a hand barely notices, 1 % of a desktop device's range.
+pub const SMALL_FORCE: f32 = 0.1;
+
+/// Contact torque under which the output may open again [N m]: likewise.
+pub const SMALL_TORQUE: f32 = 0.002;
+
+/// Ticks in a row of small wrench before the output opens: longer than a bounce.
+pub const CALM_TICKS: u32 = 100;
+
+/// What a tick has to offer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Offer {
+    /// A wrench from a fresh pose.
+    Fresh {
+        /// The wrench after the guard.
+        wrench: Wrench<DeviceBase>,
+        /// The contact's wrench is small.
+        small: bool,
+    },
+    /// No fresh pose.
+    Missing,
+}
+
+/// What the rule made of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Served {
+    /// The fresh wrench.
+    Fresh,
+    /// The last one, whole or faded.
+    Held,
+    /// The last one has just faded to zero: the output closes with this tick.
+    Expired,
+    /// Zero: the output is closed.
+    Closed,
+}
+
+/// The output's state.
+#[derive(Clone, Copy, Debug)]
+pub struct Output {
+    open: bool,
+    calm: u32,
+    missing: u32,
+    last: Wrench<DeviceBase>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Output {
+    /// Closed, as before a session.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { open: false, calm: 0, missing: 0, last: Wrench::ZERO }
+    }
+
+    /// Opens at the start of a session. A start inside the object is the guard's, which ramps the wrench in.
+    pub const fn open(&mut self) {
+        *self = Self { open: true, ..Self::new() };
+    }
+
+    /// Closes: from this tick on the wrench is zero.
+    pub const fn close(&mut self) {
+        *self = Self::new();
+    }
+
+    /// True while wrenches go out.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// The wrench to send in this tick, and why that one.
+    pub fn serve(&mut self, offer: &Offer) -> (Wrench<DeviceBase>, Served) {
+        if !self.open {
+            self.count_calm(offer);
+            return (Wrench::ZERO, Served::Closed);
+        }
+        match *offer {
+            Offer::Fresh { wrench, .. } => {
+                self.missing = 0;
+                self.last = wrench;
+                (wrench, Served::Fresh)
+            }
+            Offer::Missing => self.hold_or_fade(),
+        }
+    }
+
+    fn hold_or_fade(&mut self) -> (Wrench<DeviceBase>, Served) {
+        self.missing += 1;
+        if self.missing >= ZERO_AFTER_TICKS {
+            self.close();
+            return (Wrench::ZERO, Served::Expired);
+        }
+        let left = ZERO_AFTER_TICKS - self.missing.max(HOLD_TICKS);
+        let share = left as f32 / FADE_TICKS as f32;
+        (Wrench::new(self.last.force * share, self.last.torque * share), Served::Held)
+    }
+
+    fn count_calm(&mut self, offer: &Offer) {
+        match offer {
+            Offer::Fresh { small: true, .. } => self.calm += 1,
+            _ => self.calm = 0,
+        }
+        if self.calm >= CALM_TICKS {
+            self.open();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptor_contact::Vec3;
+
+    fn fresh(force: f32) -> Offer {
+        Offer::Fresh { wrench: Wrench::new(Vec3::new(0.0, 0.0, force), Vec3::ZERO), small: force < SMALL_FORCE }
+    }
+
+    fn opened() -> Output {
+        let mut output = Output::new();
+        output.open();
+        output
+    }
+
+    #[test]
+    fn hold_then_fade_then_zero_and_closed() {
+        let mut output = opened();
+        assert_eq!(output.serve(&fresh(8.0)).1, Served::Fresh);
+        let served: Vec<_> = (0..ZERO_AFTER_TICKS).map(|_| output.serve(&Offer::Missing)).collect();
+        let force: Vec<f32> = served.iter().map(|(wrench, _)| wrench.force.z).collect();
+        assert_eq!(force[..4], [8.0; 4]);
+        assert_eq!(force[4..], (0..16).rev().map(|i| i as f32 * 0.5).collect::<Vec<_>>());
+        assert_eq!(served.last().unwrap().1, Served::Expired);
+        assert_eq!(output.serve(&fresh(8.0)), (Wrench::ZERO, Served::Closed));
+    }
+
+    #[test]
+    fn a_pose_in_time_starts_the_hold_anew() {
+        let mut output = opened();
+        for _ in 0..100 {
+            output.serve(&fresh(2.0));
+            for _ in 1..ZERO_AFTER_TICKS {
+                assert_eq!(output.serve(&Offer::Missing).1, Served::Held);
+            }
+        }
+    }
+
+    #[test]
+    fn only_calm_in_a_row_opens_again() {
+        let mut output = opened();
+        output.close();
+        for interruption in [fresh(5.0), Offer::Missing] {
+            (1..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.0)).1, Served::Closed));
+            output.serve(&interruption);
+        }
+        (0..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.05)).1, Served::Closed));
+        assert!(output.is_open());
+        assert_eq!(output.serve(&fresh(1.0)).1, Served::Fresh);
+    }
+}

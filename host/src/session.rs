@@ -1,0 +1,147 @@
+//! A run: its threads, the queues between them, and how they end.
+//!
+//! ```text
+//!  signal thread ──stop──► real-time thread ──records, black boxes──► recorder thread ──► files
+//!                             ▲        │    └──news──────────────────► status thread ──► stdout, stderr
+//!                             └─ links ─┴── dead links ──► reopening thread
+//! ```
+//! The real-time thread ends first: by its ticks, by a signal, or because the device speaks another version. Its summary ends the others.
+
+use std::fs;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::{self, Scope, ScopedJoinHandle};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use haptor_wire::{PROTOCOL_VERSION, RecordHeader, Summary, TOOL_SCHEMA_HASH, VersionMismatch, scene_file};
+
+use crate::config::Config;
+use crate::convert::{Scene, SceneError};
+use crate::error::HostError;
+use crate::link::{AnyLink, open};
+use crate::recorder::{Recorder, Written};
+use crate::rt::account::Account;
+use crate::rt::blackbox::black_box;
+use crate::rt::budget::{Verdict, verdict};
+use crate::rt::clock::Monotonic;
+use crate::rt::control::Control;
+use crate::rt::line::{Exchange, Line, exchange};
+use crate::rt::parts::Settings;
+use crate::rt::policy;
+use crate::{reopen, status};
+
+/// How a run went.
+#[derive(Debug)]
+pub struct Outcome {
+    /// In figures.
+    pub summary: Summary,
+    /// The versions, when the device speaks another.
+    pub mismatch: Option<VersionMismatch>,
+    /// What became of the files.
+    pub written: Written,
+}
+
+impl Outcome {
+    /// True when no fault was latched, enough ticks were in time, and the files are whole.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        let share = if self.summary.ticks == 0 { 0.0 } else { self.summary.in_time as f64 / self.summary.ticks as f64 };
+        self.summary.fault.is_none() && self.written.error.is_none() && verdict(share) != Verdict::Refuse
+    }
+}
+
+/// Runs a session to its end.
+///
+/// # Errors
+/// [`HostError`] when it could not begin: bad scene, no device, no rights under `--rt enforce`, no file.
+pub fn run(config: &Config) -> Result<Outcome, HostError> {
+    let (scene, digest) = read_scene(config)?;
+    let link = open(&config.device)?;
+    let recorder = Recorder::create(header(config, digest), config.record.clone(), config.black_box.clone())?;
+    let stop = stop_on_signals()?;
+    thread::scope(|scope| supervise(scope, config, &scene, link, recorder, &stop))
+}
+
+fn read_scene(config: &Config) -> Result<(Scene, u64), HostError> {
+    let path = &config.model;
+    let bytes = fs::read(path).map_err(|reason| HostError::File { doing: "read the baked scene", path: path.clone(), reason })?;
+    let bad = |reason: SceneError| HostError::Scene { path: path.clone(), reason };
+    let baked = scene_file::decode_file(&bytes).map_err(|error| bad(error.into()))?;
+    Ok((Scene::new(&baked).map_err(bad)?, scene_file::digest(&bytes)))
+}
+
+fn header(config: &Config, scene_digest: u64) -> RecordHeader {
+    // a clock before 1970 or after 2106 is no reason not to run
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let start_unix_s = u32::try_from(since_1970.as_secs()).unwrap_or(u32::MAX);
+    RecordHeader { version: PROTOCOL_VERSION, schema: TOOL_SCHEMA_HASH, rate_hz: config.rate_hz, scene_digest, start_unix_s }
+}
+
+/// A flag that Ctrl-C, SIGTERM or a closed terminal sets. Called before any other thread starts: they inherit the blocked signals.
+fn stop_on_signals() -> Result<Arc<AtomicBool>, HostError> {
+    policy::block_ending_signals();
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let wait = move || flag.fetch_or(policy::wait_for_ending_signal(), Ordering::Relaxed);
+    // not joined: it waits for ever when no signal comes
+    thread::Builder::new().name("signals".into()).spawn(wait).map_err(|reason| HostError::Thread { name: "signals", reason })?;
+    Ok(stop)
+}
+
+/// Starts the threads, waits for the real-time thread, and ends the others with its summary.
+fn supervise<'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    config: &'scope Config,
+    scene: &'scope Scene,
+    link: AnyLink,
+    recorder: Recorder,
+    stop: &'scope AtomicBool,
+) -> Result<Outcome, HostError> {
+    let (links, opener) = exchange();
+    let (black_box, dumps) = black_box();
+    let (account, readers) = Account::new(black_box);
+    let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
+    let (news, records) = (readers.news, readers.records);
+    start(scope, "reopen", move || reopen::run(opener, &config.device))?;
+    let status = start(scope, "status", move || status::run(config.status, config.rate_hz, news, &status_end))?;
+    let recorder = start(scope, "recorder", move || recorder.run(records, dumps, &recorder_end))?;
+    let real_time = start(scope, "real-time", move || real_time(config, scene, link, links, account, stop))?;
+
+    let (summary, mismatch) = join("real-time", real_time)??;
+    // a thread that is gone has said why; it does not change how the session went
+    let _ = tell_recorder.send(summary);
+    let _ = tell_status.send(summary);
+    let written = join("recorder", recorder)?;
+    join("status", status)?;
+    Ok(Outcome { summary, mismatch, written })
+}
+
+/// The real-time thread: everything is made, then rights are asked for, then the loop runs.
+fn real_time(
+    config: &Config,
+    scene: &Scene,
+    link: AnyLink,
+    links: Exchange,
+    account: Account,
+    stop: &AtomicBool,
+) -> Result<(Summary, Option<VersionMismatch>), HostError> {
+    let core = scene.core().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
+    let line = Line::new(link, links);
+    let obtained = policy::apply(config.rt, config.cpu)?;
+    let settings = Settings { rate_hz: config.rate_hz, follow: config.follow, ticks: config.ticks, rt: obtained.report };
+    let mut control = Control::new(settings, Monotonic, line, core, account);
+    control.run(stop);
+    Ok((control.summary(obtained.report), control.mismatch()))
+}
+
+fn start<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    name: &'static str,
+    body: impl FnOnce() -> T + Send + 'scope,
+) -> Result<ScopedJoinHandle<'scope, T>, HostError> {
+    thread::Builder::new().name(name.into()).spawn_scoped(scope, body).map_err(|reason| HostError::Thread { name, reason })
+}
+
+fn join<T>(name: &'static str, thread: ScopedJoinHandle<'_, T>) -> Result<T, HostError> {
+    thread.join().map_err(|_| HostError::Panicked { name })
+}
