@@ -26,11 +26,7 @@ pub(crate) struct CobsWriter<'a> {
 
 impl<'a> CobsWriter<'a> {
     pub(crate) fn new(out: &'a mut [u8]) -> Self {
-        Self {
-            out,
-            code_at: 0,
-            run: 0,
-        }
+        Self { out, code_at: 0, run: 0 }
     }
 
     fn put(&mut self, at: usize, byte: u8) -> Result<()> {
@@ -132,15 +128,7 @@ mod tests {
     fn every_length_round_trips_and_holds_no_inner_zero() {
         for n in 0..1100_usize {
             for zero_every in [usize::MAX, 1, 2, 253, 254, 255, 256] {
-                let plain: Vec<u8> = (0..n)
-                    .map(|i| {
-                        if (i + 1) % zero_every == 0 {
-                            0
-                        } else {
-                            (i % 255 + 1) as u8
-                        }
-                    })
-                    .collect();
+                let plain: Vec<u8> = (0..n).map(|i| if (i + 1) % zero_every == 0 { 0 } else { (i % 255 + 1) as u8 }).collect();
                 let mut coded = encode(&plain);
                 assert!(coded.len() <= bound(n));
                 assert_eq!(coded.pop(), Some(0));
@@ -165,10 +153,7 @@ mod tests {
         for size in 0..encode(&plain).len() {
             let mut out = vec![0; size];
             let mut writer = CobsWriter::new(&mut out);
-            let done = plain
-                .iter()
-                .try_for_each(|&b| writer.try_push(b))
-                .and_then(|()| writer.finalize().map(|_| ()));
+            let done = plain.iter().try_for_each(|&b| writer.try_push(b)).and_then(|()| writer.finalize().map(|_| ()));
             assert_eq!(done, Err(Error::SerializeBufferFull), "size {size}");
         }
     }

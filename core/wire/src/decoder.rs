@@ -25,9 +25,7 @@ impl DecodeCounts {
     /// Frames dropped, for whatever reason.
     #[must_use]
     pub const fn rejected(&self) -> u32 {
-        self.checksum
-            .saturating_add(self.too_long)
-            .saturating_add(self.malformed)
+        self.checksum.saturating_add(self.too_long).saturating_add(self.malformed)
     }
 }
 
@@ -54,12 +52,7 @@ impl<const N: usize> StreamDecoder<N> {
         Self {
             frame: heapless::Vec::new(),
             overflow: false,
-            counts: DecodeCounts {
-                accepted: 0,
-                checksum: 0,
-                too_long: 0,
-                malformed: 0,
-            },
+            counts: DecodeCounts { accepted: 0, checksum: 0, too_long: 0, malformed: 0 },
         }
     }
 

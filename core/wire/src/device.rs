@@ -77,13 +77,7 @@ impl DeviceHello {
 }
 
 fn ascii_chars(text: [u8; 12]) -> impl Iterator<Item = char> + use<> {
-    text.into_iter().take_while(|&b| b != 0).map(|b| {
-        if b.is_ascii_graphic() || b == b' ' {
-            char::from(b)
-        } else {
-            '?'
-        }
-    })
+    text.into_iter().take_while(|&b| b != 0).map(|b| if b.is_ascii_graphic() || b == b' ' { char::from(b) } else { '?' })
 }
 
 /// Opens a session.

@@ -47,10 +47,9 @@ impl fmt::Display for FrameError {
             Self::BufferFull => f.write_str("the buffer is too small for the frame"),
             Self::Short => f.write_str("the frame is too short"),
             Self::Stuffing => f.write_str("the frame's byte stuffing is broken"),
-            Self::Checksum { computed, received } => write!(
-                f,
-                "the frame's checksum is {received:08x}, its bytes give {computed:08x}"
-            ),
+            Self::Checksum { computed, received } => {
+                write!(f, "the frame's checksum is {received:08x}, its bytes give {computed:08x}")
+            }
             Self::Contents => f.write_str("the frame's bytes are no message of this table"),
         }
     }
@@ -84,9 +83,7 @@ pub fn decode_stream<T: DeserializeOwned>(frame: &mut [u8]) -> Result<T, FrameEr
 
 /// Reads postcard bytes followed by their checksum.
 pub(crate) fn decode_checked<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
-    let (message, crc) = bytes
-        .split_last_chunk::<CRC_BYTES>()
-        .ok_or(FrameError::Short)?;
+    let (message, crc) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(FrameError::Short)?;
     let computed = CRC32.checksum(message);
     let received = u32::from_le_bytes(*crc);
     if computed != received {

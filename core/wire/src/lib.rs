@@ -52,6 +52,10 @@ pub mod status;
 pub mod units;
 
 #[cfg(test)]
+mod decoder_tests;
+#[cfg(test)]
+mod golden_tests;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod table_tests;
@@ -59,27 +63,18 @@ mod table_tests;
 mod type_text;
 
 pub use decoder::{DecodeCounts, StreamDecoder};
-pub use device::{
-    DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice,
-    WrenchCommand,
-};
+pub use device::{DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice, WrenchCommand};
 pub use frame::{FrameError, decode_stream, encode_stream, stream_bound};
 pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
 pub use recording::{Damage, DamageCause, RecordReader};
 pub use recording::{Record, RecordHeader, TickRecord};
 pub use scene::{
-    BakedScene, Breakaway, Compliance, Coupling, Deformation, ObjectShape, Place, ProbePart,
-    ProbeParts, ProbeShape, Tier,
+    BakedScene, Breakaway, Compliance, Coupling, Deformation, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape, Tier,
 };
 pub use scene_file::SceneFileError;
-pub use schema::{
-    PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version,
-    check_tool_version,
-};
-pub use status::{
-    FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary,
-};
+pub use schema::{PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version, check_tool_version};
+pub use status::{FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary};
 pub use units::{
-    metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons,
-    unit_to_q30, unm_to_newton_metres,
+    metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unit_to_q30,
+    unm_to_newton_metres,
 };

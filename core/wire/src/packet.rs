@@ -23,9 +23,7 @@ pub const PACKET_MESSAGE_MAX: usize = PACKET_BYTES - 1 - CRC_BYTES;
 pub fn encode_packet<T: Serialize>(message: &T) -> Result<[u8; PACKET_BYTES], FrameError> {
     let mut packet = [0; PACKET_BYTES];
     let [length, body @ ..] = &mut packet;
-    let used = postcard::to_slice_crc32(message, body, CRC32.digest())
-        .map_err(|_| FrameError::BufferFull)?
-        .len();
+    let used = postcard::to_slice_crc32(message, body, CRC32.digest()).map_err(|_| FrameError::BufferFull)?.len();
     // at most 63
     *length = used as u8;
     Ok(packet)

@@ -145,10 +145,7 @@ impl<'a> RecordReader<'a> {
     /// Reads from the first byte of a recording.
     #[must_use]
     pub const fn new(file: &'a [u8]) -> Self {
-        Self {
-            rest: file,
-            offset: 0,
-        }
+        Self { rest: file, offset: 0 }
     }
 
     /// Where the next frame begins [bytes from the start of the file].
@@ -177,11 +174,7 @@ impl Iterator for RecordReader<'_> {
         while !self.rest.is_empty() {
             let offset = self.offset;
             let (frame, whole) = self.take_frame();
-            let damage = |cause| Damage {
-                offset,
-                skipped: frame.len() + usize::from(whole),
-                cause,
-            };
+            let damage = |cause| Damage { offset, skipped: frame.len() + usize::from(whole), cause };
             if frame.is_empty() {
                 continue;
             }
@@ -192,9 +185,7 @@ impl Iterator for RecordReader<'_> {
             let Some(copy) = buffer.get_mut(..frame.len()) else {
                 return Some(Err(damage(DamageCause::Long)));
             };
-            copy.iter_mut()
-                .zip(frame)
-                .for_each(|(to, &byte)| *to = byte);
+            copy.iter_mut().zip(frame).for_each(|(to, &byte)| *to = byte);
             return Some(decode_stream(copy).map_err(|error| damage(DamageCause::Frame(error))));
         }
         None
@@ -209,14 +200,8 @@ mod tests {
     use std::vec::Vec;
 
     fn session() -> (Vec<u8>, Vec<Record>, Vec<usize>) {
-        let ticks = (0..20).map(|tick| {
-            Record::Tick(TickRecord {
-                tick,
-                t_us: 1000 * tick,
-                depth: 1e-5 * tick as f32,
-                ..TickRecord::default()
-            })
-        });
+        let ticks = (0..20)
+            .map(|tick| Record::Tick(TickRecord { tick, t_us: 1000 * tick, depth: 1e-5 * tick as f32, ..TickRecord::default() }));
         let mut records = std::vec![Record::Header(HEADER)];
         records.extend(ticks);
         records.extend([Record::Fault(FAULT_RECORD), Record::End(SUMMARY)]);
@@ -267,10 +252,7 @@ mod tests {
                 // a zero that is gone joins two frames
                 let lost_zero = at + 1 == ends[hit];
                 let lost = hit..(hit + 1 + usize::from(lost_zero)).min(records.len());
-                let expected: Vec<_> = (0..records.len())
-                    .filter(|i| !lost.contains(i))
-                    .map(|i| records[i])
-                    .collect();
+                let expected: Vec<_> = (0..records.len()).filter(|i| !lost.contains(i)).map(|i| records[i]).collect();
                 assert_eq!(read, expected, "byte {at} ^ {flip:02x}");
             }
         }

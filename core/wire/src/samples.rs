@@ -1,10 +1,9 @@
 //! One value of every message, at the extremes of its encoding and in between, for the tests of this crate.
 
 use crate::{
-    BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause,
-    FaultRecord, HostFault, HostHello, Mode, ObjectShape, Place, PoseReport, ProbePart, ProbeParts,
-    ProbeShape, Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord,
-    Tier, WrenchCommand,
+    BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, HostFault,
+    HostHello, Mode, ObjectShape, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, Progress, Quantiles, RecordHeader,
+    RtReport, SessionHello, Summary, TickRecord, Tier, WrenchCommand,
 };
 
 pub const DEVICE_HELLO: DeviceHello = DeviceHello {
@@ -16,11 +15,7 @@ pub const DEVICE_HELLO: DeviceHello = DeviceHello {
     max_torque_unm: u32::MAX,
     watchdog_ticks: u16::MAX,
 };
-pub const HOST_HELLO: HostHello = HostHello {
-    version: u16::MAX,
-    schema: u32::MAX,
-    period_us: u32::MAX,
-};
+pub const HOST_HELLO: HostHello = HostHello { version: u16::MAX, schema: u32::MAX, period_us: u32::MAX };
 pub const POSE: PoseReport = PoseReport {
     seq: u32::MAX,
     t_us: u32::MAX,
@@ -31,24 +26,10 @@ pub const POSE: PoseReport = PoseReport {
     flags: u8::MAX,
     echo: u32::MAX,
 };
-pub const WRENCH: WrenchCommand = WrenchCommand {
-    seq: u32::MAX,
-    echo: u32::MAX,
-    force_un: [i32::MIN; 3],
-    torque_unm: [i32::MIN; 3],
-    hold_us: u32::MAX,
-};
-pub const FAULT: DeviceFault = DeviceFault {
-    cause: FaultCause::Hardware,
-    seq: u32::MAX,
-    detail: i32::MIN,
-};
-pub const RT: RtReport = RtReport {
-    fifo: true,
-    locked: true,
-    pinned: true,
-    dma_latency: true,
-};
+pub const WRENCH: WrenchCommand =
+    WrenchCommand { seq: u32::MAX, echo: u32::MAX, force_un: [i32::MIN; 3], torque_unm: [i32::MIN; 3], hold_us: u32::MAX };
+pub const FAULT: DeviceFault = DeviceFault { cause: FaultCause::Hardware, seq: u32::MAX, detail: i32::MIN };
+pub const RT: RtReport = RtReport { fifo: true, locked: true, pinned: true, dma_latency: true };
 pub const SESSION: SessionHello = SessionHello {
     version: u16::MAX,
     schema: u32::MAX,
@@ -68,18 +49,8 @@ pub const PROGRESS: Progress = Progress {
     in_time_permille: u16::MAX,
     fault: Some(HostFault::Overrun),
 };
-pub const FAULT_RECORD: FaultRecord = FaultRecord {
-    cause: HostFault::Overrun,
-    tick: u64::MAX,
-    after_ticks: u32::MAX,
-};
-pub const QUANTILES: Quantiles = Quantiles {
-    p50: u32::MAX,
-    p99: u32::MAX,
-    p999: u32::MAX,
-    p9999: u32::MAX,
-    max: u32::MAX,
-};
+pub const FAULT_RECORD: FaultRecord = FaultRecord { cause: HostFault::Overrun, tick: u64::MAX, after_ticks: u32::MAX };
+pub const QUANTILES: Quantiles = Quantiles { p50: u32::MAX, p99: u32::MAX, p999: u32::MAX, p9999: u32::MAX, max: u32::MAX };
 pub const SUMMARY: Summary = Summary {
     ticks: u64::MAX,
     in_time: u64::MAX,
@@ -96,13 +67,8 @@ pub const SUMMARY: Summary = Summary {
     rt: RT,
     fault: Some(HostFault::Overrun),
 };
-pub const HEADER: RecordHeader = RecordHeader {
-    version: u16::MAX,
-    schema: u32::MAX,
-    rate_hz: u32::MAX,
-    scene_digest: u64::MAX,
-    start_unix_s: u32::MAX,
-};
+pub const HEADER: RecordHeader =
+    RecordHeader { version: u16::MAX, schema: u32::MAX, rate_hz: u32::MAX, scene_digest: u64::MAX, start_unix_s: u32::MAX };
 pub const TICK: TickRecord = TickRecord {
     tick: u64::MAX,
     t_us: u64::MAX,
@@ -122,19 +88,10 @@ pub const TICK: TickRecord = TickRecord {
     step_ns: u32::MAX,
     round_trip_ns: u32::MAX,
 };
-pub const COMPLIANCE: Compliance = Compliance {
-    normal: 1e-5,
-    drag: 2e-5,
-    twist: 3e-2,
-};
-pub const PLACE: Place = Place {
-    p_wd: [0.0, 0.0, 0.125],
-    q_wd: [1.0, 0.0, 0.0, 0.0],
-};
+pub const COMPLIANCE: Compliance = Compliance { normal: 1e-5, drag: 2e-5, twist: 3e-2 };
+pub const PLACE: Place = Place { p_wd: [0.0, 0.0, 0.125], q_wd: [1.0, 0.0, 0.0, 0.0] };
 pub const PART: ProbePart = ProbePart {
-    shape: ProbeShape::Ellipsoid {
-        semi_axes: [0.01, 0.02, 0.03],
-    },
+    shape: ProbeShape::Ellipsoid { semi_axes: [0.01, 0.02, 0.03] },
     position: [0.0, 0.0, 0.01],
     rotation: [0.0, 1.0, 0.0, 0.0],
 };

@@ -152,9 +152,7 @@ impl ProbeParts {
     /// The parts in use.
     #[must_use]
     pub fn as_slice(&self) -> &[ProbePart] {
-        self.parts
-            .get(..usize::from(self.count))
-            .unwrap_or(&self.parts)
+        self.parts.get(..usize::from(self.count)).unwrap_or(&self.parts)
     }
 }
 
@@ -173,11 +171,8 @@ impl ProbePart {
     /// Postcard bytes at most.
     pub const MAX_ENCODED: usize = ProbeShape::MAX_ENCODED + 7 * F32;
     /// What fills the places beyond the count.
-    pub const UNUSED: Self = Self {
-        shape: ProbeShape::Sphere { radius: 0.0 },
-        position: [0.0; 3],
-        rotation: [1.0, 0.0, 0.0, 0.0],
-    };
+    pub const UNUSED: Self =
+        Self { shape: ProbeShape::Sphere { radius: 0.0 }, position: [0.0; 3], rotation: [1.0, 0.0, 0.0, 0.0] };
 }
 
 /// Shape of a part; its origin is its own mass centre, its axis z.

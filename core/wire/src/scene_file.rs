@@ -53,10 +53,9 @@ impl fmt::Display for SceneFileError {
             Self::Truncated { found, expected } => {
                 write!(f, "the baked scene ends after {found} of {expected} bytes")
             }
-            Self::Crc { computed, received } => write!(
-                f,
-                "the baked scene is damaged: checksum {received:08x}, its bytes give {computed:08x}"
-            ),
+            Self::Crc { computed, received } => {
+                write!(f, "the baked scene is damaged: checksum {received:08x}, its bytes give {computed:08x}")
+            }
             Self::Contents => f.write_str("the baked scene's bytes are no scene"),
         }
     }
@@ -78,10 +77,7 @@ pub fn encode_file(scene: &BakedScene, out: &mut [u8]) -> Result<usize, FrameErr
         .chain(PROTOCOL_VERSION.to_le_bytes())
         .chain(TOOL_SCHEMA_HASH.to_le_bytes())
         .chain((used as u32).to_le_bytes());
-    header
-        .iter_mut()
-        .zip(fields)
-        .for_each(|(to, byte)| *to = byte);
+    header.iter_mut().zip(fields).for_each(|(to, byte)| *to = byte);
     let checked = HEADER_BYTES + used;
     let (before, after) = out.split_at_mut_checked(checked).ok_or(full)?;
     let crc = CRC32.checksum(before).to_le_bytes();
@@ -94,36 +90,12 @@ pub fn encode_file(scene: &BakedScene, out: &mut [u8]) -> Result<usize, FrameErr
 /// # Errors
 /// [`SceneFileError`]; bytes left over, or more than [`MAX_PARTS`] parts, are `Contents`.
 pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
-    let truncated = |expected| SceneFileError::Truncated {
-        found: file.len(),
-        expected,
-    };
+    let truncated = |expected| SceneFileError::Truncated { found: file.len(), expected };
     if !file.iter().zip(&MAGIC).all(|(a, b)| a == b) || file.is_empty() {
         return Err(SceneFileError::BadMagic);
     }
-    let (header, _) = file
-        .split_first_chunk::<HEADER_BYTES>()
-        .ok_or_else(|| truncated(HEADER_BYTES + CRC_BYTES))?;
-    let [
-        _,
-        _,
-        _,
-        _,
-        _,
-        _,
-        _,
-        _,
-        v0,
-        v1,
-        s0,
-        s1,
-        s2,
-        s3,
-        n0,
-        n1,
-        n2,
-        n3,
-    ] = *header;
+    let (header, _) = file.split_first_chunk::<HEADER_BYTES>().ok_or_else(|| truncated(HEADER_BYTES + CRC_BYTES))?;
+    let [_, _, _, _, _, _, _, _, v0, v1, s0, s1, s2, s3, n0, n1, n2, n3] = *header;
     let schema = u32::from_le_bytes([s0, s1, s2, s3]);
     check_tool_version(u16::from_le_bytes([v0, v1]), schema).map_err(SceneFileError::Version)?;
 
@@ -131,20 +103,14 @@ pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
     let length = usize::try_from(u32::from_le_bytes([n0, n1, n2, n3])).unwrap_or(usize::MAX);
     let expected = length.saturating_add(HEADER_BYTES + CRC_BYTES);
     let whole = file.get(..expected).ok_or_else(|| truncated(expected))?;
-    let (checked, crc) = whole
-        .split_last_chunk::<CRC_BYTES>()
-        .ok_or(SceneFileError::Contents)?;
+    let (checked, crc) = whole.split_last_chunk::<CRC_BYTES>().ok_or(SceneFileError::Contents)?;
     let (computed, received) = (CRC32.checksum(checked), u32::from_le_bytes(*crc));
     if computed != received {
         return Err(SceneFileError::Crc { computed, received });
     }
     let body = checked.get(HEADER_BYTES..).unwrap_or(&[]);
     match postcard::take_from_bytes::<BakedScene>(body) {
-        Ok((scene, []))
-            if usize::from(scene.probe.count) <= MAX_PARTS && file.len() == expected =>
-        {
-            Ok(scene)
-        }
+        Ok((scene, [])) if usize::from(scene.probe.count) <= MAX_PARTS && file.len() == expected => Ok(scene),
         _ => Err(SceneFileError::Contents),
     }
 }
@@ -152,9 +118,7 @@ pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
 /// Fingerprint of a file, to tell recordings of one scene from those of another: FNV-1a, 64 bits.
 #[must_use]
 pub fn digest(file: &[u8]) -> u64 {
-    file.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    file.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 #[cfg(test)]
@@ -180,10 +144,7 @@ mod tests {
         assert_eq!(decode_file(&[]), Err(SceneFileError::BadMagic));
         for n in 1..file.len() {
             let found = decode_file(&file[..n]);
-            assert!(
-                matches!(found, Err(SceneFileError::Truncated { found, .. }) if found == n),
-                "cut to {n}: {found:?}"
-            );
+            assert!(matches!(found, Err(SceneFileError::Truncated { found, .. }) if found == n), "cut to {n}: {found:?}");
         }
     }
 
@@ -198,10 +159,7 @@ mod tests {
                 let named = match at {
                     0..8 => error == SceneFileError::BadMagic,
                     8..14 => matches!(error, SceneFileError::Version(_)),
-                    14..18 => matches!(
-                        error,
-                        SceneFileError::Truncated { .. } | SceneFileError::Crc { .. }
-                    ),
+                    14..18 => matches!(error, SceneFileError::Truncated { .. } | SceneFileError::Crc { .. }),
                     _ => matches!(error, SceneFileError::Crc { .. }),
                 };
                 assert!(named, "byte {at} bit {bit}: {error:?}");
@@ -236,11 +194,7 @@ mod tests {
         let n = baked().len();
         for size in 0..n {
             let mut out = std::vec![0; size];
-            assert_eq!(
-                encode_file(&scene(), &mut out),
-                Err(FrameError::BufferFull),
-                "size {size}"
-            );
+            assert_eq!(encode_file(&scene(), &mut out), Err(FrameError::BufferFull), "size {size}");
         }
     }
 

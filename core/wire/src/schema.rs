@@ -103,10 +103,5 @@ const fn check(version: u16, schema: u32, ours: u32) -> Result<(), VersionMismat
     if version == PROTOCOL_VERSION && schema == ours {
         return Ok(());
     }
-    Err(VersionMismatch {
-        our_version: PROTOCOL_VERSION,
-        their_version: version,
-        our_schema: ours,
-        their_schema: schema,
-    })
+    Err(VersionMismatch { our_version: PROTOCOL_VERSION, their_version: version, our_schema: ours, their_schema: schema })
 }

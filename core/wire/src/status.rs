@@ -207,11 +207,7 @@ pub struct Summary {
 
 impl Summary {
     /// Postcard bytes at most, without the byte that names the message.
-    pub const MAX_ENCODED: usize = 7 * U64
-        + 2 * F32
-        + 3 * Quantiles::MAX_ENCODED
-        + RtReport::MAX_ENCODED
-        + HostFault::MAX_OPTION;
+    pub const MAX_ENCODED: usize = 7 * U64 + 2 * F32 + 3 * Quantiles::MAX_ENCODED + RtReport::MAX_ENCODED + HostFault::MAX_OPTION;
 }
 
 /// Quantiles of a duration over a session [ns]; each is the upper edge of its histogram bin.

@@ -22,52 +22,24 @@ fn encoded<T: Serialize>(value: &T) -> usize {
 #[test]
 fn the_largest_value_of_each_type_fills_its_bound() {
     let table = [
-        (
-            "DeviceHello",
-            encoded(&DEVICE_HELLO),
-            DeviceHello::MAX_ENCODED,
-        ),
+        ("DeviceHello", encoded(&DEVICE_HELLO), DeviceHello::MAX_ENCODED),
         ("HostHello", encoded(&HOST_HELLO), HostHello::MAX_ENCODED),
         ("PoseReport", encoded(&POSE), PoseReport::MAX_ENCODED),
-        (
-            "WrenchCommand",
-            encoded(&WRENCH),
-            WrenchCommand::MAX_ENCODED,
-        ),
+        ("WrenchCommand", encoded(&WRENCH), WrenchCommand::MAX_ENCODED),
         ("DeviceFault", encoded(&FAULT), DeviceFault::MAX_ENCODED),
         ("Mode", encoded(&Mode::Brake), Mode::MAX_ENCODED),
-        (
-            "FromDevice",
-            encoded(&FromDevice::Pose(POSE)),
-            FromDevice::MAX_ENCODED,
-        ),
-        (
-            "ToDevice",
-            encoded(&ToDevice::Wrench(WRENCH)),
-            ToDevice::MAX_ENCODED,
-        ),
+        ("FromDevice", encoded(&FromDevice::Pose(POSE)), FromDevice::MAX_ENCODED),
+        ("ToDevice", encoded(&ToDevice::Wrench(WRENCH)), ToDevice::MAX_ENCODED),
         ("SessionHello", encoded(&SESSION), SessionHello::MAX_ENCODED),
         ("Progress", encoded(&PROGRESS), Progress::MAX_ENCODED),
-        (
-            "FaultRecord",
-            encoded(&FAULT_RECORD),
-            FaultRecord::MAX_ENCODED,
-        ),
+        ("FaultRecord", encoded(&FAULT_RECORD), FaultRecord::MAX_ENCODED),
         ("Quantiles", encoded(&QUANTILES), Quantiles::MAX_ENCODED),
         ("RtReport", encoded(&RT), RtReport::MAX_ENCODED),
         ("Summary", encoded(&SUMMARY), Summary::MAX_ENCODED),
-        (
-            "FromHost",
-            encoded(&FromHost::Summary(SUMMARY)),
-            FromHost::MAX_ENCODED,
-        ),
+        ("FromHost", encoded(&FromHost::Summary(SUMMARY)), FromHost::MAX_ENCODED),
         ("RecordHeader", encoded(&HEADER), RecordHeader::MAX_ENCODED),
         ("TickRecord", encoded(&TICK), TickRecord::MAX_ENCODED),
-        (
-            "Record",
-            encoded(&Record::End(SUMMARY)),
-            Record::MAX_ENCODED,
-        ),
+        ("Record", encoded(&Record::End(SUMMARY)), Record::MAX_ENCODED),
         ("BakedScene", encoded(&scene()), BakedScene::MAX_ENCODED),
     ];
     for (name, largest, bound) in table {
@@ -86,19 +58,11 @@ fn every_message_of_the_device_link_fits_a_packet() {
     ] {
         assert!(bound <= PACKET_MESSAGE_MAX, "{bound}");
     }
-    for message in [
-        FromDevice::Hello(DEVICE_HELLO),
-        FromDevice::Pose(POSE),
-        FromDevice::Fault(FAULT),
-    ] {
+    for message in [FromDevice::Hello(DEVICE_HELLO), FromDevice::Pose(POSE), FromDevice::Fault(FAULT)] {
         let packet = encode_packet(&message).unwrap();
         assert_eq!(decode_packet(&packet), Ok(message));
     }
-    for message in [
-        ToDevice::Hello(HOST_HELLO),
-        ToDevice::SetMode(Mode::Brake),
-        ToDevice::Wrench(WRENCH),
-    ] {
+    for message in [ToDevice::Hello(HOST_HELLO), ToDevice::SetMode(Mode::Brake), ToDevice::Wrench(WRENCH)] {
         let packet = encode_packet(&message).unwrap();
         assert_eq!(decode_packet(&packet), Ok(message));
     }
@@ -134,8 +98,7 @@ fn the_front_page_gives_the_true_sizes() {
         ("RecordHeader", 1 + RecordHeader::MAX_ENCODED),
         ("TickRecord", 1 + TickRecord::MAX_ENCODED),
     ];
-    let expected: BTreeMap<String, usize> =
-        expected.map(|(name, size)| (name.to_string(), size)).into();
+    let expected: BTreeMap<String, usize> = expected.map(|(name, size)| (name.to_string(), size)).into();
     assert_eq!(front_page(), expected);
 }
 
@@ -144,18 +107,11 @@ fn cases<T: Serialize + DeserializeOwned>(name: &str, all: &[T]) -> String {
     for (index, value) in all.iter().enumerate() {
         let mut out = [0; 2048];
         let bytes = postcard::to_slice(value, &mut out).unwrap();
-        assert_eq!(
-            usize::from(bytes[0]),
-            index,
-            "{name} is listed out of order"
-        );
+        assert_eq!(usize::from(bytes[0]), index, "{name} is listed out of order");
     }
     let mut beyond = vec![0_u8; 2048];
     beyond[0] = all.len() as u8;
-    assert!(
-        postcard::take_from_bytes::<T>(&beyond).is_err(),
-        "{name} has a case that this test does not list"
-    );
+    assert!(postcard::take_from_bytes::<T>(&beyond).is_err(), "{name} has a case that this test does not list");
     let cases: Vec<String> = all.iter().map(case_text).collect();
     format!("{name}={}\n", cases.join("|"))
 }
@@ -165,16 +121,8 @@ fn structure<T: Serialize>(value: &T) -> String {
 }
 
 fn device_table() -> String {
-    let from = [
-        FromDevice::Hello(DEVICE_HELLO),
-        FromDevice::Pose(POSE),
-        FromDevice::Fault(FAULT),
-    ];
-    let to = [
-        ToDevice::Hello(HOST_HELLO),
-        ToDevice::SetMode(Mode::Force),
-        ToDevice::Wrench(WRENCH),
-    ];
+    let from = [FromDevice::Hello(DEVICE_HELLO), FromDevice::Pose(POSE), FromDevice::Fault(FAULT)];
+    let to = [ToDevice::Hello(HOST_HELLO), ToDevice::SetMode(Mode::Force), ToDevice::Wrench(WRENCH)];
     let causes = [
         FaultCause::Watchdog,
         FaultCause::OverSpeed,
@@ -202,12 +150,8 @@ fn tool_table() -> String {
 }
 
 fn status_table() -> String {
-    let from_host = [
-        FromHost::Hello(SESSION),
-        FromHost::Progress(PROGRESS),
-        FromHost::Fault(FAULT_RECORD),
-        FromHost::Summary(SUMMARY),
-    ];
+    let from_host =
+        [FromHost::Hello(SESSION), FromHost::Progress(PROGRESS), FromHost::Fault(FAULT_RECORD), FromHost::Summary(SUMMARY)];
     [
         cases("FromHost", &from_host),
         structure(&SESSION),
@@ -222,18 +166,8 @@ fn status_table() -> String {
 }
 
 fn recording_table() -> String {
-    let records = [
-        Record::Header(HEADER),
-        Record::Tick(TICK),
-        Record::Fault(FAULT_RECORD),
-        Record::End(SUMMARY),
-    ];
-    [
-        cases("Record", &records),
-        structure(&HEADER),
-        structure(&TICK),
-    ]
-    .concat()
+    let records = [Record::Header(HEADER), Record::Tick(TICK), Record::Fault(FAULT_RECORD), Record::End(SUMMARY)];
+    [cases("Record", &records), structure(&HEADER), structure(&TICK)].concat()
 }
 
 fn scene_table() -> String {
@@ -253,13 +187,7 @@ fn scene_table() -> String {
         ProbeShape::Capsule { radius, height },
         ProbeShape::Ellipsoid { semi_axes },
     ];
-    let tiers = [
-        Tier::Point,
-        Tier::Paper,
-        Tier::Bristle,
-        Tier::Influence,
-        Tier::Green,
-    ];
+    let tiers = [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green];
     let deformations = [Deformation::None, Deformation::Local, Deformation::Full];
     [
         structure(&scene()),
@@ -286,19 +214,11 @@ fn the_canonical_text_is_what_the_types_are() {
 #[test]
 fn a_mismatch_carries_both_numbers() {
     assert_eq!(check_device_version(PROTOCOL_VERSION, SCHEMA_HASH), Ok(()));
-    assert_eq!(
-        check_tool_version(PROTOCOL_VERSION, TOOL_SCHEMA_HASH),
-        Ok(())
-    );
+    assert_eq!(check_tool_version(PROTOCOL_VERSION, TOOL_SCHEMA_HASH), Ok(()));
     let mismatch = check_device_version(9, 0xDEAD_BEEF).unwrap_err();
     assert_eq!((mismatch.our_version, mismatch.their_version), (1, 9));
     let text = mismatch.to_string();
-    for part in [
-        "version 9",
-        "deadbeef",
-        "version 1",
-        &format!("{SCHEMA_HASH:08x}"),
-    ] {
+    for part in ["version 9", "deadbeef", "version 1", &format!("{SCHEMA_HASH:08x}")] {
         assert!(text.contains(part), "{text}");
     }
 }

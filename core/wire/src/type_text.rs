@@ -53,19 +53,10 @@ struct Parts {
 
 impl Parts {
     fn new(name: &'static str, inner: bool) -> Self {
-        Self {
-            name,
-            inner,
-            text: String::new(),
-            count: 0,
-        }
+        Self { name, inner, text: String::new(), count: 0 }
     }
 
-    fn field<T: Serialize + ?Sized>(
-        &mut self,
-        name: &str,
-        value: &T,
-    ) -> Result<(), NotInTheNotation> {
+    fn field<T: Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<(), NotInTheNotation> {
         if self.count > 0 {
             self.text.push(',');
         }
@@ -75,22 +66,14 @@ impl Parts {
     }
 
     fn finish(self) -> Out {
-        Ok(if self.inner {
-            self.name.to_string()
-        } else {
-            format!("{}{{{}}}", self.name, self.text)
-        })
+        Ok(if self.inner { self.name.to_string() } else { format!("{}{{{}}}", self.name, self.text) })
     }
 }
 
 impl ser::SerializeStruct for Parts {
     type Ok = String;
     type Error = NotInTheNotation;
-    fn serialize_field<T: Serialize + ?Sized>(
-        &mut self,
-        key: &'static str,
-        value: &T,
-    ) -> Result<(), NotInTheNotation> {
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), NotInTheNotation> {
         self.field(key, value)
     }
     fn end(self) -> Out {
@@ -101,11 +84,7 @@ impl ser::SerializeStruct for Parts {
 impl ser::SerializeStructVariant for Parts {
     type Ok = String;
     type Error = NotInTheNotation;
-    fn serialize_field<T: Serialize + ?Sized>(
-        &mut self,
-        key: &'static str,
-        value: &T,
-    ) -> Result<(), NotInTheNotation> {
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), NotInTheNotation> {
         self.field(key, value)
     }
     fn end(self) -> Out {
@@ -116,10 +95,7 @@ impl ser::SerializeStructVariant for Parts {
 impl ser::SerializeTuple for Parts {
     type Ok = String;
     type Error = NotInTheNotation;
-    fn serialize_element<T: Serialize + ?Sized>(
-        &mut self,
-        value: &T,
-    ) -> Result<(), NotInTheNotation> {
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NotInTheNotation> {
         self.text = value.serialize(INNER)?;
         self.count += 1;
         Ok(())
@@ -177,13 +153,7 @@ impl Serializer for Text {
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, _: &T) -> Out {
         Err(NotInTheNotation)
     }
-    fn serialize_newtype_variant<T: Serialize + ?Sized>(
-        self,
-        name: &'static str,
-        _: u32,
-        case: &'static str,
-        value: &T,
-    ) -> Out {
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(self, name: &'static str, _: u32, case: &'static str, value: &T) -> Out {
         if self.inner {
             return Ok(name.to_string());
         }
@@ -198,13 +168,7 @@ impl Serializer for Text {
     fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Never, NotInTheNotation> {
         Err(NotInTheNotation)
     }
-    fn serialize_tuple_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Never, NotInTheNotation> {
+    fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Result<Never, NotInTheNotation> {
         Err(NotInTheNotation)
     }
     fn serialize_map(self, _: Option<usize>) -> Result<Never, NotInTheNotation> {

@@ -75,11 +75,7 @@ fn to_wire(value: f32, per_unit: f64) -> i32 {
         return NOT_A_NUMBER;
     }
     let scaled = f64::from(value) * per_unit;
-    let rounded = if scaled < 0.0 {
-        scaled - 0.5
-    } else {
-        scaled + 0.5
-    };
+    let rounded = if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 };
     // `as` truncates towards zero and saturates; only the lower end needs help to stay clear of the mark
     (rounded as i32).max(-i32::MAX)
 }
@@ -97,15 +93,7 @@ mod tests {
 
     #[test]
     fn values_round_half_away_from_zero() {
-        let table = [
-            (0.0, 0),
-            (-0.0, 0),
-            (1.0, 1_000_000),
-            (-8.5, -8_500_000),
-            (0.4e-6, 0),
-            (0.6e-6, 1),
-            (-0.6e-6, -1),
-        ];
+        let table = [(0.0, 0), (-0.0, 0), (1.0, 1_000_000), (-8.5, -8_500_000), (0.4e-6, 0), (0.6e-6, 1), (-0.6e-6, -1)];
         for (newtons, un) in table {
             assert_eq!(newtons_to_un(newtons), un, "{newtons} N");
         }
@@ -113,12 +101,7 @@ mod tests {
 
     #[test]
     fn too_large_saturates_and_never_reads_as_not_a_number() {
-        for convert in [
-            metres_to_nm,
-            unit_to_q30,
-            newtons_to_un,
-            newton_metres_to_unm,
-        ] {
+        for convert in [metres_to_nm, unit_to_q30, newtons_to_un, newton_metres_to_unm] {
             assert_eq!(convert(f32::MAX), i32::MAX);
             assert_eq!(convert(f32::INFINITY), i32::MAX);
             assert_eq!(convert(f32::MIN), -i32::MAX);
@@ -129,12 +112,7 @@ mod tests {
 
     #[test]
     fn not_a_number_survives_both_ways() {
-        for convert in [
-            nm_to_metres,
-            q30_to_unit,
-            un_to_newtons,
-            unm_to_newton_metres,
-        ] {
+        for convert in [nm_to_metres, q30_to_unit, un_to_newtons, unm_to_newton_metres] {
             assert!(convert(NOT_A_NUMBER).is_nan());
         }
     }
@@ -145,10 +123,7 @@ mod tests {
             let metres = i as f32 * 1.2345e-4;
             let back = nm_to_metres(metres_to_nm(metres));
             let step = 0.5e-9 + metres.abs() * f32::EPSILON;
-            assert!(
-                (back - metres).abs() <= step,
-                "{metres} m came back {back} m"
-            );
+            assert!((back - metres).abs() <= step, "{metres} m came back {back} m");
         }
         assert_eq!(q30_to_unit(unit_to_q30(1.0)).to_bits(), 1.0_f32.to_bits());
         assert_eq!(unit_to_q30(1.0), 1 << 30);
