@@ -4,7 +4,9 @@
 
 use glam::Vec3;
 
-pub(crate) use core::f32::consts::{FRAC_PI_2, PI};
+#[cfg(test)]
+pub(crate) use core::f32::consts::FRAC_PI_2;
+pub(crate) use core::f32::consts::PI;
 
 pub(crate) fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)

@@ -2,7 +2,7 @@
 
 use crate::error::{Invalid, require};
 use crate::guard::GuardSpec;
-use crate::limits::{MAX_REGIONS, MAX_SAMPLES, MIN_SAMPLES};
+use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MIN_SAMPLES};
 use crate::tier::bristle::Layout;
 
 /// Fidelity of the tangential force and the torsion, from fast to accurate.
@@ -135,6 +135,8 @@ impl Params {
         require((1..=MAX_REGIONS).contains(&spec.max_regions), "contact.max_regions", count, "1 to 10")?;
         let samples = spec.samples as f32;
         require((MIN_SAMPLES..=MAX_SAMPLES).contains(&spec.samples), "model.samples", samples, "16 to 1024")?;
+        let most = if spec.tier == Tier::Bristle { MAX_BRISTLES } else { MAX_SAMPLES };
+        require(spec.samples <= most, "model.samples", samples, "16 to 256 for tier bristle, 16 to 1024 for tier paper")?;
         check_law(&spec.force_law)?;
         spec.guard.check()?;
         Ok(Self {

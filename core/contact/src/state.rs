@@ -11,7 +11,8 @@ use crate::wrench::Wrench;
 
 /// Memory of a session: patches with their stick, samples, the guard's last wrench, counters.
 ///
-/// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles of one patch.
+/// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles of one patch (at most 256; more than asked for by the parameters is never used, fewer lowers
+/// the tier's resolution and says so in the report).
 #[derive(Clone, Debug)]
 pub struct State<const PATCHES: usize, const SAMPLES: usize> {
     pub(crate) memory: Memory,
@@ -40,7 +41,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
     /// A state without history.
     pub const fn new() -> Self {
         const { assert!(PATCHES >= 1 && PATCHES <= crate::limits::MAX_PARTS) };
-        const { assert!(SAMPLES >= crate::limits::MIN_SAMPLES && SAMPLES <= crate::limits::MAX_SAMPLES) };
+        const { assert!(SAMPLES >= crate::limits::MIN_SAMPLES && SAMPLES <= crate::limits::MAX_BRISTLES) };
         Self {
             memory: Memory {
                 last_pose: None,

@@ -5,8 +5,8 @@
 //! shared out by overlap, so that force and torque of the patch are kept.
 
 use crate::math::{clamp, max, min};
-use crate::tier::bristle::ring::{MAX_RINGS, Rings};
-use crate::tier::bristle::{Bristle, Layout, MAX_AROUND};
+use crate::tier::bristle::ring::Rings;
+use crate::tier::bristle::{AROUND, Bristle, Layout, MAX_RINGS};
 
 /// The grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,7 +43,7 @@ impl Grid {
 /// the contact, where the cap is zero.
 fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Bristle]) {
     let before = moments(layout, grid.width, bristles);
-    let mut next = [Bristle::default(); MAX_RINGS * MAX_AROUND];
+    let mut next = [Bristle::default(); MAX_RINGS * AROUND];
     for k in 0..layout.rings {
         let (inner, outer) = (grid.width * k as f32, min(grid.width * (k + 1) as f32, max(grid.radius, grid.width * k as f32)));
         let area = outer * outer - inner * inner;
@@ -57,43 +57,24 @@ fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Brist
                 break;
             }
             let share = (high * high - low * low) / area;
-            for j in 0..layout.around {
-                hand_over(layout, (k, to, j), share, bristles[k * layout.around + j], &mut next);
+            for j in 0..AROUND {
+                let (cell, target) = (bristles[k * AROUND + j], &mut next[to * AROUND + j]);
+                target.force += cell.force * share;
+                target.slipped = max(target.slipped, cell.slipped);
             }
         }
     }
-    let used = layout.rings * layout.around;
+    let used = layout.rings * AROUND;
     bristles[..used].copy_from_slice(&next[..used]);
     restore_torque(layout, new_width, before, bristles);
-}
-
-/// Rings of other parity stand half a step aside: their two nearest cells take half each.
-fn hand_over(layout: &Layout, (from, to, j): (usize, usize, usize), share: f32, cell: Bristle, next: &mut [Bristle]) {
-    let around = layout.around;
-    let mut give = |j: usize, share: f32| {
-        let target = &mut next[to * around + j % around];
-        target.force += cell.force * share;
-        target.slipped = max(target.slipped, cell.slipped);
-    };
-    match (from & 1, to & 1) {
-        (0, 1) => {
-            give(j, 0.5 * share);
-            give(j + around - 1, 0.5 * share);
-        }
-        (1, 0) => {
-            give(j, 0.5 * share);
-            give(j + 1, 0.5 * share);
-        }
-        _ => give(j, share),
-    }
 }
 
 /// Torque about the centre with every cell's force at the middle of its ring \[N m\].
 fn moments(layout: &Layout, width: f32, bristles: &[Bristle]) -> f32 {
     let mut torque = 0.0;
     for k in 0..layout.rings {
-        for j in 0..layout.around {
-            torque += middle(width, k) * layout.direction(k, j).perp_dot(bristles[k * layout.around + j].force);
+        for j in 0..AROUND {
+            torque += middle(width, k) * layout.direction(k, j).perp_dot(bristles[k * AROUND + j].force);
         }
     }
     torque
@@ -106,11 +87,11 @@ fn middle(width: f32, k: usize) -> f32 {
 /// Turns the lost or gained torque back in as a hoop force that grows with the radius.
 fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bristle]) {
     let missing = before - moments(layout, width, bristles);
-    let arms: f32 = (0..layout.rings).map(|k| middle(width, k) * middle(width, k)).sum::<f32>() * layout.around as f32;
+    let arms: f32 = (0..layout.rings).map(|k| middle(width, k) * middle(width, k)).sum::<f32>() * AROUND as f32;
     for k in 0..layout.rings {
-        for j in 0..layout.around {
+        for j in 0..AROUND {
             let hoop = layout.direction(k, j).perp();
-            bristles[k * layout.around + j].force += hoop * (missing * middle(width, k) / arms);
+            bristles[k * AROUND + j].force += hoop * (missing * middle(width, k) / arms);
         }
     }
 }
@@ -119,11 +100,11 @@ fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bris
 pub fn thin(layout: &Layout, rings: &Rings, bristles: &mut [Bristle], kept: f32) {
     let kept = clamp(kept, 0.0, 1.0);
     if kept < 1.0 {
-        for bristle in &mut bristles[..rings.len() * layout.around] {
+        for bristle in &mut bristles[..rings.len() * AROUND] {
             bristle.force *= kept;
         }
     }
-    for bristle in &mut bristles[rings.len() * layout.around..layout.rings * layout.around] {
+    for bristle in &mut bristles[rings.len() * AROUND..layout.rings * AROUND] {
         *bristle = Bristle::default();
     }
 }

@@ -13,8 +13,8 @@ pub use grid::Grid;
 
 use glam::Vec2;
 
-use crate::limits::MAX_SAMPLES;
-use crate::math::{clamp, floor, sqrt};
+use crate::limits::MAX_BRISTLES;
+use crate::math::{cos, sin};
 use crate::params::Params;
 use crate::patch::{Grip, Patch, Shift};
 use crate::tier::{Hold, rolled_away};
@@ -29,38 +29,38 @@ pub struct Bristle {
     pub slipped: f32,
 }
 
-/// Most bristles around a ring; more than 24 changes no digit of a turning path.
-pub const MAX_AROUND: usize = 24;
+/// Bristles of a ring: two, opposite each other, so that a twist makes no net force and a drag no net torque.
+pub const AROUND: usize = 2;
 
-/// Fewest bristles around a ring that resolve a direction in the plane.
-const MIN_AROUND: usize = 4;
+/// Most rings of any layout.
+pub const MAX_RINGS: usize = MAX_BRISTLES / AROUND;
 
-/// How many bristles go around, and how many rings there can be.
+/// How the bristles lie: thin rings of two, each ring turned against the one before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
-    /// Bristles around a ring.
-    pub around: usize,
     /// Most rings.
     pub rings: usize,
-    /// Unit vectors every half step around: even rings use the even ones, odd rings the odd ones.
-    pub directions: [Vec2; 2 * MAX_AROUND],
+    /// Unit vector from the centre to the first bristle of each ring.
+    directions: [Vec2; MAX_RINGS],
 }
 
+/// Turn from ring to ring \[rad\]: pi times the golden section, which spreads the pairs of any run of rings evenly.
+const GOLDEN_TURN: f32 = 1.941_611;
+
 impl Layout {
-    /// Layout of at most `samples` bristles: cells about as wide as long at two thirds of the radius.
+    /// Layout of at most `samples` bristles.
     pub fn new(samples: usize) -> Self {
-        let around = clamp(floor(sqrt(0.6 * samples as f32) + 0.5), MIN_AROUND as f32, MAX_AROUND as f32) as usize;
-        let half_step = crate::math::PI / around as f32;
-        let directions = core::array::from_fn(|i| {
-            let angle = half_step * i as f32;
-            Vec2::new(crate::math::cos(angle), crate::math::sin(angle))
+        let rings = if samples / AROUND < MAX_RINGS { samples / AROUND } else { MAX_RINGS };
+        let directions = core::array::from_fn(|k| {
+            let angle = GOLDEN_TURN * k as f32;
+            Vec2::new(cos(angle), sin(angle))
         });
-        Self { around, rings: samples / around, directions }
+        Self { rings, directions }
     }
 
     /// Unit vector to bristle `j` of ring `k`.
     pub fn direction(&self, k: usize, j: usize) -> Vec2 {
-        self.directions[(2 * j + (k & 1)) % (2 * MAX_AROUND)]
+        if j == 0 { self.directions[k] } else { -self.directions[k] }
     }
 }
 
@@ -118,5 +118,3 @@ fn is_settled(hold: &Hold, local: &Shift, grip: &Grip) -> bool {
     let rest = rest(hold, local, grip);
     rest.drag.length() <= SETTLED * hold.target.drag.length() && rest.twist.abs() <= SETTLED * hold.target.twist.abs()
 }
-
-const _: () = assert!(MAX_SAMPLES / MAX_AROUND <= ring::MAX_RINGS);

@@ -4,10 +4,7 @@ use crate::math::min;
 use crate::patch::Grip;
 use crate::profile::Within;
 use crate::tier::Hold;
-use crate::tier::bristle::{Bristle, Grid, Layout};
-
-/// Most rings of any layout.
-pub const MAX_RINGS: usize = 43;
+use crate::tier::bristle::{AROUND, Bristle, Grid, Layout, MAX_RINGS};
 
 /// One bristle's figures; the same for all bristles of a ring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,7 +32,7 @@ impl Rings {
     /// Rings of `grid` under the load of `hold`.
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
         let mut rings = [Ring::default(); MAX_RINGS];
-        let share = 1.0 / layout.around as f32;
+        let share = 1.0 / AROUND as f32;
         let (mut inner, mut inner_squares, mut len) = (Within::default(), (0.0, 0.0), 0);
         for (k, ring) in rings.iter_mut().enumerate().take(layout.rings) {
             if grid.width * k as f32 >= hold.radius {
@@ -69,7 +66,7 @@ impl Rings {
     /// Resultant of the bristles.
     pub fn sum(&self, layout: &Layout, bristles: &[Bristle]) -> Grip {
         let mut grip = Grip::default();
-        for (k, (ring, cells)) in self.as_slice().iter().zip(bristles.chunks(layout.around)).enumerate() {
+        for (k, (ring, cells)) in self.as_slice().iter().zip(bristles.chunks(AROUND)).enumerate() {
             for (j, cell) in cells.iter().enumerate() {
                 grip.force += cell.force;
                 grip.torque += ring.arm * layout.direction(k, j).perp_dot(cell.force);

@@ -6,7 +6,7 @@ use crate::math::{min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::ring::{Ring, Rings};
-use crate::tier::bristle::{Bristle, Layout};
+use crate::tier::bristle::{AROUND, Bristle, Layout};
 
 /// How strongly the slip direction turns the traction of a slipping bristle.
 const TURNING: f32 = 1.4;
@@ -14,7 +14,7 @@ const TURNING: f32 = 1.4;
 /// Moves every bristle by `step` and returns the new grip with the tangent stiffness (drag, twist) of what still sticks.
 pub fn apply(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &mut [Bristle], step: Shift) -> (Grip, (f32, f32)) {
     let mut sum = Sum::default();
-    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_mut(layout.around)).enumerate() {
+    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_mut(AROUND)).enumerate() {
         for (j, cell) in cells.iter_mut().enumerate() {
             let radial = layout.direction(k, j);
             let sticks = move_bristle(hold, ring, radial, step, cell);

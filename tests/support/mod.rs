@@ -1,0 +1,3 @@
+//! Scenes, paths and tolerances that the tests share.
+
+pub mod drive;
