@@ -1,0 +1,4 @@
+//! What several proofs share: independent reference answers.
+
+#[path = "reference/mod.rs"]
+pub mod reference;
