@@ -20,14 +20,14 @@ use crate::{Device, Script, TxBuf};
 const RADIUS: f32 = 0.02;
 const FRICTION: f32 = 0.75;
 
-/// Reduced modulus of the rubber, 3 MPa / (1 - 0.5^2) [Pa].
+/// Reduced modulus of the rubber, 3 MPa / (1 - 0.5^2) \[Pa\].
 const RUBBER: f32 = 4e6;
 
 /// The ball on the wall; the ball's centre is the handle's origin.
 struct Wall {
-    /// Reduced modulus [Pa].
+    /// Reduced modulus \[Pa\].
     modulus: f32,
-    /// Stretch of the tangential spring [m] and of the torsional one [rad].
+    /// Stretch of the tangential spring \[m\] and of the torsional one \[rad\].
     drag: Vec3,
     twist: f32,
     last: Option<(Vec3, Quat)>,

@@ -70,9 +70,9 @@ pub struct Device {
     plant: Plant,
     encoders: Encoders,
     script: Script,
-    /// Time since the script began; it waits at its begin until forces are armed [us].
+    /// Time since the script began; it waits at its begin until forces are armed \[us\].
     script_us: u64,
-    /// Time passed in for which no tick has been run yet, less than one tick [us].
+    /// Time passed in for which no tick has been run yet, less than one tick \[us\].
     rest_us: u32,
 }
 
@@ -121,7 +121,7 @@ impl Device {
         self.decoder.restart();
     }
 
-    /// A push from outside: the handle's velocity changes by this, in `d` [m/s].
+    /// A push from outside: the handle's velocity changes by this, in `d` \[m/s\].
     pub fn kick(&mut self, velocity: [f32; 3]) {
         self.plant.velocity += Vec3::from(velocity);
     }

@@ -20,19 +20,19 @@ use haptor_wire::{
 
 use crate::limits::{scale, shorten};
 
-/// Time of one tick [us].
+/// Time of one tick \[us\].
 pub const TICK_US: u32 = WATCHDOG_STEP_US;
 
-/// Period of reports while the host has not asked for another [us].
+/// Period of reports while the host has not asked for another \[us\].
 pub const DEFAULT_PERIOD_US: u32 = 1_000;
 
-/// Longest period of reports [us]: slower than this no loop is closed, so it is a mistake.
+/// Longest period of reports \[us\]: slower than this no loop is closed, so it is a mistake.
 pub const LONGEST_PERIOD_US: u32 = 100_000;
 
-/// How long a wrench fades after its hold [ticks]: 10 ms, short against a hand's reaction, long against a click.
+/// How long a wrench fades after its hold \[ticks\]: 10 ms, short against a hand's reaction, long against a click.
 pub const FADE_TICKS: u32 = 80;
 
-/// Silence of the host after which a session without forces ends [ticks]: 1 s.
+/// Silence of the host after which a session without forces ends \[ticks\]: 1 s.
 pub const SESSION_TICKS: u32 = 8_000;
 
 /// What a device is, and where its limits lie.
@@ -42,39 +42,39 @@ pub struct Limits {
     pub name: [u8; 12],
     /// Serial number, ASCII, padded with zeros.
     pub serial: [u8; 12],
-    /// Largest force [uN].
+    /// Largest force \[uN\].
     pub max_force_un: u32,
-    /// Largest torque [uN m]; 0 = none can be rendered.
+    /// Largest torque \[uN m\]; 0 = none can be rendered.
     pub max_torque_unm: u32,
     /// Ticks without an accepted wrench in [`Mode::Force`] until the brake.
     pub watchdog_ticks: u16,
-    /// Speed in [`Mode::Force`] above which it brakes [um/s].
+    /// Speed in [`Mode::Force`] above which it brakes \[um/s\].
     pub over_speed_um_s: u32,
-    /// Angular speed in [`Mode::Force`] above which it brakes [urad/s].
+    /// Angular speed in [`Mode::Force`] above which it brakes \[urad/s\].
     pub over_spin_urad_s: u32,
 }
 
 /// What the sensors say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sensed {
-    /// Position `p_dh` [nm].
+    /// Position `p_dh` \[nm\].
     pub position_nm: [i32; 3],
-    /// Rotation `q_dh`, unit quaternion (w, x, y, z) [2^-30].
+    /// Rotation `q_dh`, unit quaternion (w, x, y, z) \[2^-30\].
     pub rotation_q30: [i32; 4],
     /// Bit k set = button k held.
     pub buttons: u8,
-    /// Speed of the handle's origin [um/s].
+    /// Speed of the handle's origin \[um/s\].
     pub speed_um_s: u32,
-    /// Angular speed of the handle [urad/s].
+    /// Angular speed of the handle \[urad/s\].
     pub spin_urad_s: u32,
 }
 
 /// What the motors are to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rendered {
-    /// Force on the handle, in `d` [uN].
+    /// Force on the handle, in `d` \[uN\].
     pub force_un: [i32; 3],
-    /// Torque on the handle about its origin, in `d` [uN m].
+    /// Torque on the handle about its origin, in `d` \[uN m\].
     pub torque_unm: [i32; 3],
     /// The motors are shorted and damp the handle.
     pub braked: bool,

@@ -19,29 +19,29 @@ use glam::{Quat, Vec3};
 use crate::preset::Preset;
 use crate::script::Target;
 
-/// Step of the integration [s]: the firmware's tick.
+/// Step of the integration \[s\]: the firmware's tick.
 pub const STEP: f32 = 125e-6;
 
 /// Damping of the handle when the motors are shorted [N s/m]: a slow creep under a hand's push, without hitting a wall.
 pub const BRAKE_DAMPING: f32 = 60.0;
 
-/// Angular damping of the handle when the motors are shorted [N m s/rad].
+/// Angular damping of the handle when the motors are shorted \[N m s/rad\].
 pub const BRAKE_SPIN_DAMPING: f32 = 0.1;
 
 /// The hand that holds the handle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hand {
-    /// Mass that moves with the handle [kg].
+    /// Mass that moves with the handle \[kg\].
     pub mass: f32,
-    /// Inertia that turns with it [kg m^2].
+    /// Inertia that turns with it \[kg m^2\].
     pub inertia: f32,
-    /// Stiffness of the arm [N/m].
+    /// Stiffness of the arm \[N/m\].
     pub stiffness: f32,
-    /// Damping of the grip [N s/m].
+    /// Damping of the grip \[N s/m\].
     pub damping: f32,
-    /// Stiffness of the wrist [N m/rad].
+    /// Stiffness of the wrist \[N m/rad\].
     pub spin_stiffness: f32,
-    /// Damping of the wrist [N m s/rad].
+    /// Damping of the wrist \[N m s/rad\].
     pub spin_damping: f32,
 }
 
@@ -52,9 +52,9 @@ pub const FIRM_GRIP: Hand =
 /// Wrench on the handle about its origin, in `d`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
-    /// Force [N].
+    /// Force \[N\].
     pub force: Vec3,
-    /// Torque [N m].
+    /// Torque \[N m\].
     pub torque: Vec3,
     /// The motors are shorted.
     pub braked: bool,
@@ -68,13 +68,13 @@ pub struct Plant {
     damping: f32,
     spin_damping: f32,
     hand: Hand,
-    /// Position `p_dh` [m].
+    /// Position `p_dh` \[m\].
     pub position: Vec3,
     /// Rotation `q_dh`.
     pub rotation: Quat,
-    /// Velocity [m/s].
+    /// Velocity \[m/s\].
     pub velocity: Vec3,
-    /// Angular velocity, in `d` [rad/s].
+    /// Angular velocity, in `d` \[rad/s\].
     pub spin: Vec3,
 }
 
@@ -113,7 +113,7 @@ impl Plant {
         self.rotation = (Quat::from_scaled_axis(self.spin * STEP) * self.rotation).normalize();
     }
 
-    /// Kinetic energy and what the hand's springs hold against `target` [J].
+    /// Kinetic energy and what the hand's springs hold against `target` \[J\].
     #[must_use]
     pub fn energy(&self, target: &Target) -> f32 {
         let stretch = (target.position - self.position).length_squared();
@@ -125,7 +125,7 @@ impl Plant {
     }
 }
 
-/// Rotation vector, in `d`, that turns `from` into `to` the short way [rad].
+/// Rotation vector, in `d`, that turns `from` into `to` the short way \[rad\].
 fn turn_between(from: Quat, to: Quat) -> Vec3 {
     let turn = to * from.conjugate();
     let short = if turn.w < 0.0 { -turn } else { turn };
@@ -135,9 +135,9 @@ fn turn_between(from: Quat, to: Quat) -> Vec3 {
 /// Steps of the encoders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoders {
-    /// Step of position [m].
+    /// Step of position \[m\].
     pub step: f32,
-    /// Step of each component of the rotation vector [rad].
+    /// Step of each component of the rotation vector \[rad\].
     pub spin_step: f32,
 }
 

@@ -10,25 +10,25 @@ use crate::logic::Limits;
 pub struct Preset {
     /// Its name, on the command line and in the hello.
     pub name: &'static str,
-    /// Largest force [N].
+    /// Largest force \[N\].
     pub max_force: f32,
-    /// Largest torque [N m]; 0 = rotation is sensed only.
+    /// Largest torque \[N m\]; 0 = rotation is sensed only.
     pub max_torque: f32,
-    /// Mass felt at the handle [kg].
+    /// Mass felt at the handle \[kg\].
     pub mass: f32,
-    /// Inertia felt about any axis of the handle [kg m^2].
+    /// Inertia felt about any axis of the handle \[kg m^2\].
     pub inertia: f32,
-    /// Damping of the mechanism [N s/m].
+    /// Damping of the mechanism \[N s/m\].
     pub damping: f32,
-    /// Angular damping of the mechanism [N m s/rad].
+    /// Angular damping of the mechanism \[N m s/rad\].
     pub spin_damping: f32,
-    /// Step of position as the encoders resolve it [m].
+    /// Step of position as the encoders resolve it \[m\].
     pub encoder: f32,
-    /// Step of rotation as the encoders resolve it [rad].
+    /// Step of rotation as the encoders resolve it \[rad\].
     pub spin_encoder: f32,
-    /// Speed above which it brakes [m/s].
+    /// Speed above which it brakes \[m/s\].
     pub over_speed: f32,
-    /// Angular speed above which it brakes [rad/s].
+    /// Angular speed above which it brakes \[rad/s\].
     pub over_spin: f32,
     /// Ticks of 125 us without a wrench until the brake.
     pub watchdog_ticks: u16,

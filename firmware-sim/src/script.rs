@@ -7,7 +7,7 @@
 
 use glam::{Quat, Vec3};
 
-/// Gap between probe and object at the start of every script [m]: seen by eye, crossed within half a second.
+/// Gap between probe and object at the start of every script \[m\]: seen by eye, crossed within half a second.
 pub const CLEARANCE: f32 = 5e-3;
 
 /// Share of a device's largest force with which a script presses: leaves room for friction at a coefficient of 0.75.
@@ -22,40 +22,40 @@ pub const NAMES: [&str; 7] = ["hold", "press", "twist", "slide", "lift", "press-
 /// Where the hand wants to be, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Position `p_dh` [m].
+    /// Position `p_dh` \[m\].
     pub position: Vec3,
     /// Rotation `q_dh`.
     pub rotation: Quat,
-    /// Velocity of the position [m/s].
+    /// Velocity of the position \[m/s\].
     pub velocity: Vec3,
-    /// Angular velocity, in `d` [rad/s].
+    /// Angular velocity, in `d` \[rad/s\].
     pub spin: Vec3,
 }
 
 /// One way point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WayPoint {
-    /// Time to get there from the one before [s].
+    /// Time to get there from the one before \[s\].
     pub seconds: f32,
-    /// Position [m].
+    /// Position \[m\].
     pub position: Vec3,
-    /// Angle about z [rad].
+    /// Angle about z \[rad\].
     pub angle: f32,
 }
 
 /// How far a script goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
-    /// How far below the object's top the hand wants to be [m].
+    /// How far below the object's top the hand wants to be \[m\].
     pub depth: f32,
-    /// How far it turns [rad].
+    /// How far it turns \[rad\].
     pub angle: f32,
-    /// How far it slides, along x [m].
+    /// How far it slides, along x \[m\].
     pub slide: f32,
 }
 
 impl Reach {
-    /// The usual reach with a hand of `stiffness` [N/m] on a device of `max_force` [N].
+    /// The usual reach with a hand of `stiffness` \[N/m\] on a device of `max_force` \[N\].
     ///
     /// The depth presses with [`PRESS_SHARE`] of the force once the hand's spring has given way. 0.5 rad and 10 mm take a ball of
     /// 20 mm radius on soft rubber well into slip.
@@ -91,7 +91,7 @@ impl Script {
         Some(Self { points: draft.points, repeat })
     }
 
-    /// Time from begin to end [us].
+    /// Time from begin to end \[us\].
     #[must_use]
     pub fn length_us(&self) -> u64 {
         self.points.iter().map(|p| micros(p.seconds)).sum()

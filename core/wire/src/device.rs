@@ -50,15 +50,15 @@ pub struct DeviceHello {
     pub name: [u8; 12],
     /// Serial number, ASCII, padded with zeros.
     pub serial: [u8; 12],
-    /// Largest force it renders, of any direction [uN].
+    /// Largest force it renders, of any direction \[uN\].
     pub max_force_un: u32,
-    /// Largest torque it renders, about any axis [uN m]; 0 = it cannot render torque.
+    /// Largest torque it renders, about any axis \[uN m\]; 0 = it cannot render torque.
     pub max_torque_unm: u32,
     /// Steps of [`WATCHDOG_STEP_US`] without an accepted wrench in [`Mode::Force`] after which it brakes.
     pub watchdog_ticks: u16,
 }
 
-/// Unit of [`DeviceHello::watchdog_ticks`] [us]: the micro-frame of high-speed USB.
+/// Unit of [`DeviceHello::watchdog_ticks`] \[us\]: the micro-frame of high-speed USB.
 pub const WATCHDOG_STEP_US: u32 = 125;
 
 impl DeviceHello {
@@ -87,7 +87,7 @@ pub struct HostHello {
     pub version: u16,
     /// [`crate::SCHEMA_HASH`] of the host.
     pub schema: u32,
-    /// How often the host wants a [`PoseReport`] [us]; a device that cannot reports at its own pace.
+    /// How often the host wants a [`PoseReport`] \[us\]; a device that cannot reports at its own pace.
     pub period_us: u32,
 }
 
@@ -101,11 +101,11 @@ impl HostHello {
 pub struct PoseReport {
     /// Counts reports from 0 at power-up; wraps.
     pub seq: u32,
-    /// The device's clock when the pose was taken [us]; wraps after 71.6 minutes.
+    /// The device's clock when the pose was taken \[us\]; wraps after 71.6 minutes.
     pub t_us: u32,
-    /// Position `p_dh` of the handle's origin [nm].
+    /// Position `p_dh` of the handle's origin \[nm\].
     pub position_nm: [i32; 3],
-    /// Rotation `q_dh` as a unit quaternion (w, x, y, z) [2^-30].
+    /// Rotation `q_dh` as a unit quaternion (w, x, y, z) \[2^-30\].
     pub rotation_q30: [i32; 4],
     /// Bit k set = button k held.
     pub buttons: u8,
@@ -139,11 +139,11 @@ pub struct WrenchCommand {
     pub seq: u32,
     /// `seq` of the [`PoseReport`] it answers.
     pub echo: u32,
-    /// Force on the handle, in `d` [uN]; [`crate::units::NOT_A_NUMBER`] anywhere makes the device refuse and brake.
+    /// Force on the handle, in `d` \[uN\]; [`crate::units::NOT_A_NUMBER`] anywhere makes the device refuse and brake.
     pub force_un: [i32; 3],
-    /// Torque on the handle about its origin, in `d` [uN m]; same rule.
+    /// Torque on the handle about its origin, in `d` \[uN m\]; same rule.
     pub torque_unm: [i32; 3],
-    /// How long to render it without a newer command [us]; then it fades to zero.
+    /// How long to render it without a newer command \[us\]; then it fades to zero.
     pub hold_us: u32,
 }
 
@@ -203,7 +203,7 @@ impl DeviceFault {
 pub enum FaultCause {
     /// No wrench accepted in time. Detail: steps of [`WATCHDOG_STEP_US`] waited.
     Watchdog,
-    /// The handle moved too fast. Detail: its speed [um/s], or [urad/s] negated when it was the rotation.
+    /// The handle moved too fast. Detail: its speed \[um/s\], or \[urad/s\] negated when it was the rotation.
     OverSpeed,
     /// A command held [`crate::units::NOT_A_NUMBER`]. Detail: its `seq`, as i32.
     NonFinite,

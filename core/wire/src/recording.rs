@@ -42,7 +42,7 @@ pub struct RecordHeader {
     pub rate_hz: u32,
     /// [`crate::scene::digest`] of the baked scene's file.
     pub scene_digest: u64,
-    /// Start of the session [s since 1970-01-01 UTC].
+    /// Start of the session \[s since 1970-01-01 UTC\].
     pub start_unix_s: u32,
 }
 
@@ -56,25 +56,25 @@ impl RecordHeader {
 pub struct TickRecord {
     /// Number of the tick, from 0.
     pub tick: u64,
-    /// Time since the session began [us].
+    /// Time since the session began \[us\].
     pub t_us: u64,
-    /// Position `p_dh` of the handle as received, in `d` [m].
+    /// Position `p_dh` of the handle as received, in `d` \[m\].
     pub position: [f32; 3],
     /// Rotation `q_dh` of the handle as received, unit quaternion (w, x, y, z).
     pub rotation: [f32; 4],
-    /// Force sent to the handle, after the guard, in `d` [N].
+    /// Force sent to the handle, after the guard, in `d` \[N\].
     pub force: [f32; 3],
-    /// Torque sent to the handle about its origin, after the guard, in `d` [N m].
+    /// Torque sent to the handle about its origin, after the guard, in `d` \[N m\].
     pub torque: [f32; 3],
-    /// Contact force on the probe, before the guard, in `w` [N].
+    /// Contact force on the probe, before the guard, in `w` \[N\].
     pub contact_force: [f32; 3],
-    /// Contact torque on the probe about its mass centre, before the guard, in `w` [N m].
+    /// Contact torque on the probe about its mass centre, before the guard, in `w` \[N m\].
     pub contact_torque: [f32; 3],
     /// Number of regions.
     pub regions: u8,
-    /// Largest depth [m].
+    /// Largest depth \[m\].
     pub depth: f32,
-    /// Contact radius of the deepest region [m].
+    /// Contact radius of the deepest region \[m\].
     pub radius: f32,
     /// Stuck share of the deepest region's area, 0 to 1.
     pub stick: f32,
@@ -82,11 +82,11 @@ pub struct TickRecord {
     pub tier: Tier,
     /// What the core and the host had to say: 0 = clean.
     pub flags: u32,
-    /// How late the thread woke [ns].
+    /// How late the thread woke \[ns\].
     pub wake_ns: u32,
-    /// What the step of the core took [ns].
+    /// What the step of the core took \[ns\].
     pub step_ns: u32,
-    /// From sending the previous wrench to the report that echoed it [ns]; 0 = none seen.
+    /// From sending the previous wrench to the report that echoed it \[ns\]; 0 = none seen.
     pub round_trip_ns: u32,
 }
 
@@ -101,9 +101,9 @@ pub const FRAME_MAX: usize = stream_bound(Record::MAX_ENCODED);
 /// A stretch of a recording that holds no record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// Where it begins [bytes from the start of the file].
+    /// Where it begins \[bytes from the start of the file\].
     pub offset: usize,
-    /// Its length [bytes].
+    /// Its length \[bytes\].
     pub skipped: usize,
     /// What is wrong with it.
     pub cause: DamageCause,
@@ -148,7 +148,7 @@ impl<'a> RecordReader<'a> {
         Self { rest: file, offset: 0 }
     }
 
-    /// Where the next frame begins [bytes from the start of the file].
+    /// Where the next frame begins \[bytes from the start of the file\].
     #[must_use]
     pub const fn offset(&self) -> usize {
         self.offset

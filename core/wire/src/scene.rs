@@ -1,7 +1,7 @@
 //! The baked scene: everything the host needs to run, in one file.
 //!
 //! A tool reads the scene file people write (TOML, meshes, tables) and bakes this; the host reads this and nothing else. Lengths
-//! [m], Pa, kg; poses in world `w`: the base centre of the object is the origin, +z up. What a value may be is checked by the
+//! \[m\], Pa, kg; poses in world `w`: the base centre of the object is the origin, +z up. What a value may be is checked by the
 //! core's constructors; here only the shape of the bytes is.
 
 use serde::{Deserialize, Serialize};
@@ -15,25 +15,25 @@ pub use crate::scene_file::{FILE_MAX, MAGIC, SceneFileError, decode_file, digest
 pub struct BakedScene {
     /// Shape of the elastic body.
     pub object: ObjectShape,
-    /// Surface points with z at or below this are held [m].
+    /// Surface points with z at or below this are held \[m\].
     pub fixed_below: f32,
-    /// Young's modulus of the object [Pa].
+    /// Young's modulus of the object \[Pa\].
     pub young_modulus: f32,
     /// Poisson's ratio of the object, 0 to 0.5.
     pub poisson_ratio: f32,
-    /// Density of the object [kg/m^3].
+    /// Density of the object \[kg/m^3\].
     pub density: f32,
     /// Compliances of the body beyond the half space's; `None` = the core's closed forms.
     pub compliance: Option<Compliance>,
     /// The rigid body in the hand.
     pub probe: ProbeParts,
-    /// Mass of the probe [kg].
+    /// Mass of the probe \[kg\].
     pub mass: f32,
     /// Static friction coefficient.
     pub friction_static: f32,
     /// Dynamic friction coefficient, at most the static one.
     pub friction_dynamic: f32,
-    /// Contacts closer than this are one region [m].
+    /// Contacts closer than this are one region \[m\].
     pub region_distance: f32,
     /// Regions at most.
     pub max_regions: u8,
@@ -51,7 +51,7 @@ pub struct BakedScene {
     pub breakaway: Breakaway,
     /// Whether the probe's weight is felt.
     pub gravity: bool,
-    /// Axial distance to the fixed points, the `l` of the `paper` tier [m].
+    /// Axial distance to the fixed points, the `l` of the `paper` tier \[m\].
     pub paper_length: f32,
     /// Where the device stands in the world.
     pub place: Place,
@@ -81,24 +81,24 @@ pub enum ObjectShape {
     HalfSpace,
     /// A box standing on z = 0.
     Box {
-        /// Edges along x, y, z [m].
+        /// Edges along x, y, z \[m\].
         size: [f32; 3],
     },
     /// A ball touching z = 0 from above.
     Sphere {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
     },
     /// An ellipsoid touching z = 0 from above.
     Ellipsoid {
-        /// Semi-axes along x, y, z [m].
+        /// Semi-axes along x, y, z \[m\].
         semi_axes: [f32; 3],
     },
     /// An upright cylinder standing on z = 0.
     Cylinder {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
-        /// Height [m].
+        /// Height \[m\].
         height: f32,
     },
 }
@@ -111,9 +111,9 @@ impl ObjectShape {
 /// Compliances of the body minus those of the half space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compliance {
-    /// C_n [m/N].
+    /// C_n \[m/N\].
     pub normal: f32,
-    /// C_t [m/N].
+    /// C_t \[m/N\].
     pub drag: f32,
     /// C_theta [rad/(N m)].
     pub twist: f32,
@@ -161,7 +161,7 @@ impl ProbeParts {
 pub struct ProbePart {
     /// Its shape.
     pub shape: ProbeShape,
-    /// Its origin in the probe's frame `p` [m].
+    /// Its origin in the probe's frame `p` \[m\].
     pub position: [f32; 3],
     /// Its rotation in `p`, unit quaternion (w, x, y, z).
     pub rotation: [f32; 4],
@@ -180,38 +180,38 @@ impl ProbePart {
 pub enum ProbeShape {
     /// A ball.
     Sphere {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
     },
     /// A box.
     Box {
-        /// Edges along x, y, z [m].
+        /// Edges along x, y, z \[m\].
         size: [f32; 3],
     },
     /// A cylinder, a flat punch.
     Cylinder {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
-        /// Height [m].
+        /// Height \[m\].
         height: f32,
     },
     /// A cone, tip towards -z; the origin is 3/4 of the height above the tip.
     Cone {
-        /// Radius of the base [m].
+        /// Radius of the base \[m\].
         radius: f32,
-        /// Height [m].
+        /// Height \[m\].
         height: f32,
     },
     /// A cylinder with half balls at both ends.
     Capsule {
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
-        /// Height of the straight part [m].
+        /// Height of the straight part \[m\].
         height: f32,
     },
     /// An ellipsoid.
     Ellipsoid {
-        /// Semi-axes along x, y, z [m].
+        /// Semi-axes along x, y, z \[m\].
         semi_axes: [f32; 3],
     },
 }
@@ -286,7 +286,7 @@ pub enum Breakaway {
 /// Pose `x_wd` of the device's base in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// `p_wd` [m].
+    /// `p_wd` \[m\].
     pub p_wd: [f32; 3],
     /// `q_wd`, unit quaternion (w, x, y, z).
     pub q_wd: [f32; 4],

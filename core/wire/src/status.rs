@@ -33,15 +33,15 @@ pub struct SessionHello {
     pub version: u16,
     /// [`crate::TOOL_SCHEMA_HASH`] of the host.
     pub schema: u32,
-    /// Length of a tick [us].
+    /// Length of a tick \[us\].
     pub period_us: u32,
     /// The device's model, ASCII, padded with zeros.
     pub device_name: [u8; 12],
     /// The device's serial number, ASCII, padded with zeros.
     pub device_serial: [u8; 12],
-    /// Largest force it renders [uN].
+    /// Largest force it renders \[uN\].
     pub max_force_un: u32,
-    /// Largest torque it renders [uN m]; 0 = none.
+    /// Largest torque it renders \[uN m\]; 0 = none.
     pub max_torque_unm: u32,
     /// What the real-time policy obtained.
     pub rt: RtReport,
@@ -59,13 +59,13 @@ pub struct Progress {
     pub tick: u64,
     /// Regions in the last tick.
     pub regions: u8,
-    /// Contact force on the probe, in `w` [N].
+    /// Contact force on the probe, in `w` \[N\].
     pub force: [f32; 3],
-    /// Contact torque on the probe about its mass centre, in `w` [N m].
+    /// Contact torque on the probe about its mass centre, in `w` \[N m\].
     pub torque: [f32; 3],
-    /// What the last step of the core took [ns].
+    /// What the last step of the core took \[ns\].
     pub step_ns: u32,
-    /// Share of ticks in time so far [1/1000].
+    /// Share of ticks in time so far \[1/1000\].
     pub in_time_permille: u16,
     /// The latched fault, if any.
     pub fault: Option<HostFault>,
@@ -189,9 +189,9 @@ pub struct Summary {
     pub out_of_order: u64,
     /// Ticks that the recorder could not keep up with.
     pub recorder_dropped: u64,
-    /// Largest magnitude of the contact force [N].
+    /// Largest magnitude of the contact force \[N\].
     pub peak_force: f32,
-    /// Largest magnitude of the contact torque about the probe's mass centre [N m].
+    /// Largest magnitude of the contact torque about the probe's mass centre \[N m\].
     pub peak_torque: f32,
     /// What a step of the core took.
     pub step_ns: Quantiles,
@@ -210,7 +210,7 @@ impl Summary {
     pub const MAX_ENCODED: usize = 7 * U64 + 2 * F32 + 3 * Quantiles::MAX_ENCODED + RtReport::MAX_ENCODED + HostFault::MAX_OPTION;
 }
 
-/// Quantiles of a duration over a session [ns]; each is the upper edge of its histogram bin.
+/// Quantiles of a duration over a session \[ns\]; each is the upper edge of its histogram bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Quantiles {
     /// Median.

@@ -19,13 +19,13 @@ const UN_PER_NEWTON: f64 = 1e6;
 const UNM_PER_NEWTON_METRE: f64 = 1e6;
 const Q30_PER_UNIT: f64 = 1_073_741_824.0;
 
-/// Position component [m] to nanometres, saturating; NaN becomes [`NOT_A_NUMBER`].
+/// Position component \[m\] to nanometres, saturating; NaN becomes [`NOT_A_NUMBER`].
 #[must_use]
 pub fn metres_to_nm(metres: f32) -> i32 {
     to_wire(metres, NM_PER_METRE)
 }
 
-/// Nanometres to a position component [m]; [`NOT_A_NUMBER`] becomes NaN.
+/// Nanometres to a position component \[m\]; [`NOT_A_NUMBER`] becomes NaN.
 #[must_use]
 pub fn nm_to_metres(nm: i32) -> f32 {
     from_wire(nm, NM_PER_METRE)
@@ -45,25 +45,25 @@ pub fn q30_to_unit(q30: i32) -> f32 {
     from_wire(q30, Q30_PER_UNIT)
 }
 
-/// Force component [N] to micronewtons, saturating; NaN becomes [`NOT_A_NUMBER`].
+/// Force component \[N\] to micronewtons, saturating; NaN becomes [`NOT_A_NUMBER`].
 #[must_use]
 pub fn newtons_to_un(newtons: f32) -> i32 {
     to_wire(newtons, UN_PER_NEWTON)
 }
 
-/// Micronewtons to a force component [N]; [`NOT_A_NUMBER`] becomes NaN.
+/// Micronewtons to a force component \[N\]; [`NOT_A_NUMBER`] becomes NaN.
 #[must_use]
 pub fn un_to_newtons(un: i32) -> f32 {
     from_wire(un, UN_PER_NEWTON)
 }
 
-/// Torque component [N m] to micronewton metres, saturating; NaN becomes [`NOT_A_NUMBER`].
+/// Torque component \[N m\] to micronewton metres, saturating; NaN becomes [`NOT_A_NUMBER`].
 #[must_use]
 pub fn newton_metres_to_unm(newton_metres: f32) -> i32 {
     to_wire(newton_metres, UNM_PER_NEWTON_METRE)
 }
 
-/// Micronewton metres to a torque component [N m]; [`NOT_A_NUMBER`] becomes NaN.
+/// Micronewton metres to a torque component \[N m\]; [`NOT_A_NUMBER`] becomes NaN.
 #[must_use]
 pub fn unm_to_newton_metres(unm: i32) -> f32 {
     from_wire(unm, UNM_PER_NEWTON_METRE)
