@@ -4,6 +4,8 @@
 //! new, free rings and a shrinking one leaves rings behind. When a leaves the range the grid is laid anew and the forces are
 //! shared out by overlap, so that force and torque of the patch are kept.
 
+use glam::Vec2;
+
 use crate::math::{clamp, max, min};
 use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::{AROUND, Bristle, Layout, MAX_RINGS};
@@ -57,16 +59,24 @@ fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Brist
                 break;
             }
             let share = (high * high - low * low) / area;
-            for j in 0..AROUND {
-                let (cell, target) = (bristles[k * AROUND + j], &mut next[to * AROUND + j]);
-                target.force += cell.force * share;
-                target.slipped = max(target.slipped, cell.slipped);
-            }
+            let turn = layout.turn(k, to);
+            hand_over(share, turn, &bristles[k * AROUND..][..AROUND], &mut next[to * AROUND..][..AROUND]);
         }
     }
     let used = layout.rings * AROUND;
     bristles[..used].copy_from_slice(&next[..used]);
     restore_torque(layout, new_width, before, bristles);
+}
+
+/// Hands `share` of a pair to a pair that stands `turn` further round. What the two have in common is a drag and keeps its direction; what
+/// they have opposite is a twist and turns with them.
+fn hand_over(share: f32, turn: Vec2, from: &[Bristle], to: &mut [Bristle]) {
+    let common = (from[0].force + from[1].force) * 0.5;
+    let opposite = turn.rotate((from[0].force - from[1].force) * 0.5);
+    to[0].force += (common + opposite) * share;
+    to[1].force += (common - opposite) * share;
+    to[0].slipped = max(to[0].slipped, from[0].slipped);
+    to[1].slipped = max(to[1].slipped, from[1].slipped);
 }
 
 /// Torque about the centre with every cell's force at the middle of its ring \[N m\].

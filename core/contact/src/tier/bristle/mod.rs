@@ -58,6 +58,12 @@ impl Layout {
         Self { rings, directions }
     }
 
+    /// Rotation from the place of ring `from` to that of ring `to`, as the unit complex number (cos, sin).
+    pub fn turn(&self, from: usize, to: usize) -> Vec2 {
+        let (a, b) = (self.directions[from], self.directions[to]);
+        Vec2::new(a.dot(b), a.perp_dot(b))
+    }
+
     /// Unit vector to bristle `j` of ring `k`.
     pub fn direction(&self, k: usize, j: usize) -> Vec2 {
         if j == 0 { self.directions[k] } else { -self.directions[k] }
