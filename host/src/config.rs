@@ -8,12 +8,16 @@ use crate::error::HostError;
 use crate::link::Address;
 use crate::rt::pace::Follow;
 use crate::rt::policy::RtPolicy;
+use crate::rt::stale::{FADE_TICKS, HOLD_TICKS, StaleRule};
 
 /// Slowest rate [Hz]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
 pub const RATE_MIN_HZ: u32 = 100;
 
 /// Fastest rate [Hz]: the micro-frames of high-speed USB.
 pub const RATE_MAX_HZ: u32 = 8000;
+
+/// Longest hold and fade [ticks]: a tenth of a second at the default rate, after which a hand feels a wall that is not there.
+pub const STALE_MAX_TICKS: u32 = 100;
 
 /// Longest session [s]: a month.
 pub const SECONDS_MAX: f64 = 2.7e6;
@@ -48,6 +52,12 @@ pub struct Args {
     /// What goes to standard output: one table at the end, or frames for a program
     #[arg(long, value_enum, default_value_t = StatusFormat::Text)]
     pub status: StatusFormat,
+    /// Ticks without a pose through which the last wrench is held
+    #[arg(long, value_name = "TICKS", default_value_t = HOLD_TICKS)]
+    pub hold: u32,
+    /// Ticks over which it then fades to zero and a fault latches
+    #[arg(long, value_name = "TICKS", default_value_t = FADE_TICKS)]
+    pub fade: u32,
     /// What ticks follow; default: the clock, with USB the device
     #[arg(long, value_enum)]
     pub pace: Option<PaceArg>,
@@ -109,6 +119,8 @@ pub struct Config {
     pub status: StatusFormat,
     /// What ticks follow.
     pub follow: Follow,
+    /// How long a wrench outlives its pose.
+    pub stale: StaleRule,
 }
 
 impl Config {
@@ -125,6 +137,11 @@ impl Config {
             && !(seconds > 0.0 && seconds <= SECONDS_MAX)
         {
             return Err(out_of_range("--seconds", seconds.to_string(), "above 0 to 2.7e6 s"));
+        }
+        for (name, ticks) in [("--hold", args.hold), ("--fade", args.fade)] {
+            if !(1..=STALE_MAX_TICKS).contains(&ticks) {
+                return Err(out_of_range(name, ticks.to_string(), "1 to 100 ticks"));
+            }
         }
         let beside = |record: &PathBuf| {
             let mut name = record.clone().into_os_string();
@@ -143,6 +160,7 @@ impl Config {
                 PaceArg::Device => Follow::Device,
             },
             ticks: args.seconds.map(|seconds| (seconds * f64::from(args.rate)).ceil() as u64),
+            stale: StaleRule { hold: args.hold, fade: args.fade },
             model: args.model,
             device: args.device,
             rate_hz: args.rate,
@@ -179,9 +197,12 @@ mod tests {
 
     #[test]
     fn what_is_out_of_range_is_named() {
-        for (extra, named) in
-            [(["--rate", "99"], "--rate is 99"), (["--seconds", "0"], "above 0"), (["--seconds", "nan"], "--seconds is NaN")]
-        {
+        for (extra, named) in [
+            (["--rate", "99"], "--rate is 99"),
+            (["--seconds", "0"], "above 0"),
+            (["--seconds", "nan"], "--seconds is NaN"),
+            (["--fade", "0"], "1 to 100 ticks"),
+        ] {
             let text = config(&extra).unwrap_err().to_string();
             assert!(text.contains(named), "{text}");
         }

@@ -128,7 +128,13 @@ fn real_time(
     let core = scene.core().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     let line = Line::new(link, links);
     let obtained = policy::apply(config.rt, config.cpu)?;
-    let settings = Settings { rate_hz: config.rate_hz, follow: config.follow, ticks: config.ticks, rt: obtained.report };
+    let settings = Settings {
+        rate_hz: config.rate_hz,
+        follow: config.follow,
+        ticks: config.ticks,
+        stale: config.stale,
+        rt: obtained.report,
+    };
     let mut control = Control::new(settings, Monotonic, line, core, account);
     control.run(stop);
     Ok((control.summary(obtained.report), control.mismatch()))

@@ -35,7 +35,7 @@ impl<'a, C: Clock> Control<'a, C> {
         Self {
             pace: Pace::new(settings.follow, settings.period_ns(), &clock),
             handshake: Handshake::new(settings.period_us()),
-            output: Output::new(),
+            output: Output::new(settings.stale),
             faults: Faults::default(),
             memory: Memory::default(),
             settings,

@@ -14,7 +14,7 @@ use super::flags;
 use super::handshake::Phase;
 use super::line::Arrivals;
 use super::pace::{Follow, Slot};
-use super::stale::{HOLD_TICKS, Offer, SMALL_FORCE, SMALL_TORQUE, Served, ZERO_AFTER_TICKS};
+use super::stale::{Offer, SMALL_FORCE, SMALL_TORQUE, Served, StaleRule};
 use crate::convert::{Felt, command, handle_pose};
 use crate::frames::DeviceBase;
 
@@ -30,6 +30,8 @@ pub struct Settings {
     pub follow: Follow,
     /// Ticks of a session; `None` = until it is stopped.
     pub ticks: Option<u64>,
+    /// How long a wrench outlives its pose.
+    pub stale: StaleRule,
     /// What the real-time policy obtained.
     pub rt: RtReport,
 }
@@ -183,7 +185,7 @@ impl<C: Clock> Control<'_, C> {
             Served::Closed => self.memory.record.flags |= flags::CLOSED,
             Served::Expired => {
                 self.memory.record.flags |= flags::CLOSED;
-                self.trip(stale_cause(got.nonsense, self.memory.refused), ZERO_AFTER_TICKS, slot);
+                self.trip(stale_cause(got.nonsense, self.memory.refused), self.settings.stale.zero_after(), slot);
             }
         }
         wrench
@@ -196,7 +198,8 @@ impl<C: Clock> Control<'_, C> {
             self.line.send(&message);
         } else if self.handshake.is_running() {
             self.memory.seq = self.memory.seq.wrapping_add(1);
-            let command = command(self.memory.seq, self.memory.echo, wrench, HOLD_TICKS * self.settings.period_us());
+            let command =
+                command(self.memory.seq, self.memory.echo, wrench, self.settings.stale.hold * self.settings.period_us());
             let now_ns = self.clock.now_ns();
             self.memory.sent = self.line.send(&ToDevice::Wrench(command));
             if self.memory.sent {

@@ -1,7 +1,7 @@
 //! What goes to the device when no fresh wrench does: hold, fade, zero; and when forces may come back.
 //!
 //! ```text
-//!            no pose: hold the last wrench, HOLD ticks; fade it to zero, FADE ticks; fault
+//!            no pose: hold the last wrench, `hold` ticks; fade it to zero, `fade` ticks; fault
 //!   Open ────────────────────────────────────────────────────────────────────────────────► Closed (zero)
 //!     ▲                       any other fault: at once                                        │
 //!     └──────── the contact's wrench was small for CALM ticks in a row ◄──────────────────────┘
@@ -19,8 +19,28 @@ pub const HOLD_TICKS: u32 = 4;
 /// Ticks over which it then fades to zero: fast enough that 20 ms after the last pose nothing pushes, slow enough for no click.
 pub const FADE_TICKS: u32 = 16;
 
-/// Ticks from the last fresh pose to zero wrench.
-pub const ZERO_AFTER_TICKS: u32 = HOLD_TICKS + FADE_TICKS;
+/// How long a wrench outlives the pose it came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StaleRule {
+    /// Ticks without a fresh pose through which the last wrench is repeated.
+    pub hold: u32,
+    /// Ticks over which it then fades to zero, 1 or more.
+    pub fade: u32,
+}
+
+impl Default for StaleRule {
+    fn default() -> Self {
+        Self { hold: HOLD_TICKS, fade: FADE_TICKS }
+    }
+}
+
+impl StaleRule {
+    /// Ticks from the last fresh pose to zero wrench.
+    #[must_use]
+    pub const fn zero_after(&self) -> u32 {
+        self.hold + self.fade
+    }
+}
 
 /// Contact force under which the output may open again [N]: what a hand barely notices, 1 % of a desktop device's range.
 pub const SMALL_FORCE: f32 = 0.1;
@@ -61,33 +81,28 @@ pub enum Served {
 /// The output's state.
 #[derive(Clone, Copy, Debug)]
 pub struct Output {
+    rule: StaleRule,
     open: bool,
     calm: u32,
     missing: u32,
     last: Wrench<DeviceBase>,
 }
 
-impl Default for Output {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Output {
     /// Closed, as before a session.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { open: false, calm: 0, missing: 0, last: Wrench::ZERO }
+    pub const fn new(rule: StaleRule) -> Self {
+        Self { rule, open: false, calm: 0, missing: 0, last: Wrench::ZERO }
     }
 
     /// Opens at the start of a session. A start inside the object is the guard's, which ramps the wrench in.
     pub const fn open(&mut self) {
-        *self = Self { open: true, ..Self::new() };
+        *self = Self { open: true, ..Self::new(self.rule) };
     }
 
     /// Closes: from this tick on the wrench is zero.
     pub const fn close(&mut self) {
-        *self = Self::new();
+        *self = Self::new(self.rule);
     }
 
     /// True while wrenches go out.
@@ -114,12 +129,12 @@ impl Output {
 
     fn hold_or_fade(&mut self) -> (Wrench<DeviceBase>, Served) {
         self.missing += 1;
-        if self.missing >= ZERO_AFTER_TICKS {
+        if self.missing >= self.rule.zero_after() {
             self.close();
             return (Wrench::ZERO, Served::Expired);
         }
-        let left = ZERO_AFTER_TICKS - self.missing.max(HOLD_TICKS);
-        let share = left as f32 / FADE_TICKS as f32;
+        let left = self.rule.zero_after() - self.missing.max(self.rule.hold);
+        let share = left as f32 / self.rule.fade as f32;
         (Wrench::new(self.last.force * share, self.last.torque * share), Served::Held)
     }
 
@@ -144,7 +159,7 @@ mod tests {
     }
 
     fn opened() -> Output {
-        let mut output = Output::new();
+        let mut output = Output::new(StaleRule::default());
         output.open();
         output
     }
@@ -153,7 +168,7 @@ mod tests {
     fn hold_then_fade_then_zero_and_closed() {
         let mut output = opened();
         assert_eq!(output.serve(&fresh(8.0)).1, Served::Fresh);
-        let served: Vec<_> = (0..ZERO_AFTER_TICKS).map(|_| output.serve(&Offer::Missing)).collect();
+        let served: Vec<_> = (0..HOLD_TICKS + FADE_TICKS).map(|_| output.serve(&Offer::Missing)).collect();
         let force: Vec<f32> = served.iter().map(|(wrench, _)| wrench.force.z).collect();
         assert_eq!(force[..4], [8.0; 4]);
         assert_eq!(force[4..], (0..16).rev().map(|i| i as f32 * 0.5).collect::<Vec<_>>());
@@ -162,11 +177,20 @@ mod tests {
     }
 
     #[test]
+    fn the_shortest_rule_is_zero_at_the_second_tick() {
+        let mut output = Output::new(StaleRule { hold: 1, fade: 1 });
+        output.open();
+        output.serve(&fresh(8.0));
+        assert_eq!(output.serve(&Offer::Missing).0.force.z.to_bits(), 8.0_f32.to_bits());
+        assert_eq!(output.serve(&Offer::Missing), (Wrench::ZERO, Served::Expired));
+    }
+
+    #[test]
     fn a_pose_in_time_starts_the_hold_anew() {
         let mut output = opened();
         for _ in 0..100 {
             output.serve(&fresh(2.0));
-            for _ in 1..ZERO_AFTER_TICKS {
+            for _ in 1..HOLD_TICKS + FADE_TICKS {
                 assert_eq!(output.serve(&Offer::Missing).1, Served::Held);
             }
         }
