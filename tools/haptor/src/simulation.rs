@@ -1,7 +1,8 @@
 //! The core over a trajectory: offline, deterministic, no device.
 
 use haptor_contact::{
-    Input, Invalid, MAX_PARTS, MAX_SAMPLES, Model, Output, Params, ParamsSpec, PatchReport, Pose, Scratch, State, step,
+    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, Output, Params, ParamsSpec, PatchReport, Pose, Scratch, State, patch_report,
+    step,
 };
 
 use crate::scene::Scene;
@@ -11,7 +12,7 @@ use crate::trajectory::Row;
 pub struct Simulation<'a> {
     model: Model<'a>,
     params: Params,
-    state: Box<State<MAX_PARTS, MAX_SAMPLES>>,
+    state: Box<State<MAX_PARTS, MAX_BRISTLES>>,
     scratch: Box<Scratch<MAX_PARTS>>,
 }
 
@@ -37,6 +38,6 @@ impl<'a> Simulation<'a> {
 
     /// The patches in contact after the last tick, oldest first.
     pub fn patches(&self) -> impl Iterator<Item = PatchReport> {
-        self.state.patches().iter().map(|patch| patch.report())
+        self.state.patches().iter().map(patch_report)
     }
 }

@@ -66,7 +66,7 @@ pub fn arc(centre: DVec3, axis: DVec3, ring: f64, angle: f64, radius: f64) -> Ve
         })
         .collect();
     let ahead = frame * DVec3::new(-angle.sin(), angle.cos(), 0.0) * angle.signum();
-    meshes.extend(arrow(at(angle) - 1.0 * radius * ahead, 5.0 * radius * ahead, radius).into_iter().skip(1));
+    meshes.extend(arrow(at(angle) - 2.6 * radius * ahead, 5.0 * radius * ahead, radius).into_iter().skip(1));
     meshes
 }
 

@@ -82,6 +82,11 @@ impl Canvas {
         }
     }
 
+    /// What is drawn from here on lies before everything drawn so far.
+    pub fn forget_depth(&mut self) {
+        self.depth.fill(f64::INFINITY);
+    }
+
     /// Does a face of this normal at this point look towards the camera?
     pub fn faces(&self, point: DVec3, normal: DVec3) -> bool {
         normal.dot(self.camera.towards(point)) > 0.0
@@ -111,8 +116,8 @@ impl Canvas {
         let normal = normal.normalize_or(towards);
         // the side that is seen is the side that is lit
         let normal = if normal.dot(towards) < 0.0 { -normal } else { normal };
-        let light = DVec3::new(-0.35, -0.55, 0.75).normalize();
-        let diffuse = 0.28 + 0.55 * normal.dot(light).max(0.0) + 0.22 * normal.dot(towards).max(0.0);
+        let light = DVec3::new(-0.5, -0.25, 0.8).normalize();
+        let diffuse = 0.25 + 0.62 * normal.dot(light).max(0.0) + 0.16 * normal.dot(towards).max(0.0);
         let gloss = normal.dot((light + towards).normalize_or(normal)).max(0.0).powi(48);
         colour * diffuse + DVec3::splat(0.18 * gloss)
     }

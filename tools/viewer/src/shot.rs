@@ -42,7 +42,7 @@ pub struct Shot<'a> {
     pub force: DVec3,
     /// Torque on the probe in world \[N m\]; drawn likewise about its axis.
     pub torque: DVec3,
-    /// Force drawn as long as the object is high \[N\].
+    /// Force drawn at the full length of an arrow \[N\].
     pub force_scale: f64,
     /// Torque drawn as a full turn \[N m\].
     pub torque_scale: f64,
@@ -57,15 +57,18 @@ const PROBE: Colour = DVec3::new(0.30, 0.42, 0.55);
 const FORCE: Colour = DVec3::new(0.75, 0.06, 0.04);
 const TORQUE: Colour = DVec3::new(0.36, 0.12, 0.52);
 const STUCK: Colour = DVec3::new(0.0, 0.17, 0.45);
-const SLIPPING: Colour = DVec3::new(0.67, 0.11, 0.0);
+const SLIPPING: Colour = DVec3::new(0.85, 0.25, 0.0);
 const TILES: [Colour; 2] = [DVec3::new(0.86, 0.87, 0.88), DVec3::new(0.74, 0.76, 0.78)];
 const SKY: [Colour; 2] = [DVec3::new(0.96, 0.97, 0.99), DVec3::new(0.84, 0.87, 0.91)];
 
 /// Where the camera stands: before the scene, to the right, above.
 const VIEW: DVec3 = DVec3::new(0.55, -1.0, 0.42);
 
-/// How much of the probe is covered where regions would be hidden by it.
-const PROBE_OPACITY: f64 = 0.72;
+/// How much the probe covers of what is behind it.
+const PROBE_OPACITY: f64 = 0.7;
+
+/// Full length of an arrow as a share of the scene's radius.
+const ARROW: f64 = 0.7;
 
 /// Forces and torques smaller than this share of their scale are not drawn.
 const VISIBLE: f64 = 1.0e-3;
@@ -75,14 +78,18 @@ pub fn draw(shot: &Shot<'_>) -> Image {
     let object = model::object(&shot.scene.object);
     let probe = placed_probe(shot);
     let (low, high) = bounds(probe.iter().chain([&object]));
+    // room for an arrow at its full length
+    let high = high.max(shot.pose.position + ARROW * (high - low).length() / 2.0 * DVec3::Z);
     let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0);
-    let camera = |width, height| Camera::fitting(middle, 1.15 * radius, VIEW, width, height);
+    let camera = |width, height| Camera::fitting(middle, 1.02 * radius, VIEW, width, height);
     let mut canvas = Canvas::new(camera, shot.size.0, shot.size.1, SKY[0], SKY[1]);
     draw_ground(&mut canvas, &shot.scene.object, radius);
     add(&mut canvas, &object, Paint::solid(OBJECT));
-    draw_regions(&mut canvas, &shot.regions, radius);
-    draw_wrench(&mut canvas, shot, radius, high.z - low.z);
     draw_probe(&mut canvas, &probe);
+    // what can only be felt lies over what can be seen
+    canvas.forget_depth();
+    draw_regions(&mut canvas, &shot.regions);
+    draw_wrench(&mut canvas, shot, radius);
     canvas.finish()
 }
 
@@ -107,35 +114,35 @@ fn draw_ground(canvas: &mut Canvas, object: &ObjectShape, radius: f64) {
     }
 }
 
-/// Regions a hair above the surface, mixed from the colours of stick and slip.
-fn draw_regions(canvas: &mut Canvas, regions: &[Region], radius: f64) {
+/// Regions as discs, mixed from the colours of stick and slip.
+fn draw_regions(canvas: &mut Canvas, regions: &[Region]) {
     for region in regions {
-        let lift = 2.0e-3 * radius * region.normal;
-        let disc = model::disc(region.centre + lift, region.normal, region.radius);
-        add(canvas, &disc, Paint::flat(SLIPPING.lerp(STUCK, region.stick.clamp(0.0, 1.0))));
+        let disc = model::disc(region.centre, region.normal, region.radius);
+        let colour = SLIPPING.lerp(STUCK, region.stick.clamp(0.0, 1.0));
+        add(canvas, &disc, Paint::flat(colour));
     }
 }
 
 /// The force as an arrow from the probe's mass centre, the torque as an arc about its axis.
-fn draw_wrench(canvas: &mut Canvas, shot: &Shot<'_>, radius: f64, height: f64) {
+fn draw_wrench(canvas: &mut Canvas, shot: &Shot<'_>, radius: f64) {
     let thick = 0.018 * radius;
     let force = shot.force / shot.force_scale;
     if force.length() > VISIBLE {
-        for mesh in model::arrow(shot.pose.position, height * force, thick) {
+        for mesh in model::arrow(shot.pose.position, ARROW * radius * force, thick) {
             add(canvas, &mesh, Paint::solid(FORCE));
         }
     }
     let torque = shot.torque / shot.torque_scale;
     if torque.length() > VISIBLE {
         let angle = std::f64::consts::TAU * torque.length().min(0.9);
-        for mesh in model::arc(shot.pose.position, torque, 0.42 * radius, angle, thick) {
+        for mesh in model::arc(shot.pose.position, torque, 0.3 * radius, angle, 0.8 * thick) {
             add(canvas, &mesh, Paint::solid(TORQUE));
         }
     }
 }
 
-/// The probe last and through: regions and arrow inside it stay visible. Only the sides that face the camera are drawn, so that
-/// each pixel is covered once.
+/// The probe, so that the surface below it shows through. Only the sides that face the camera are drawn: each pixel is covered
+/// once.
 fn draw_probe(canvas: &mut Canvas, parts: &[Mesh]) {
     for part in parts {
         add(canvas, part, Paint { opacity: PROBE_OPACITY, ..Paint::solid(PROBE) });

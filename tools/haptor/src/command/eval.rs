@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
-use haptor_contact::{Output as TickOutput, ParamsSpec, Tier};
+use haptor_contact::{Invalid, Output as TickOutput, ParamsSpec, Tier};
 
 use crate::failure::{Failure, Outcome};
 use crate::output::{Output, unwritten};
@@ -32,7 +32,7 @@ pub struct Args {
     /// Fidelity in place of the scene's
     #[arg(long, value_name = "T")]
     tier: Option<TierName>,
-    /// Samples per region in place of the scene's, 16 to 1024
+    /// Samples per region in place of the scene's, 16 to 256 for bristle, 16 to 1024 for paper
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     /// Result file; standard output when not given
@@ -75,8 +75,7 @@ pub fn run(args: &Args) -> Outcome {
     let scene = Scene::load(&args.scene)?;
     let rows = trajectory::load(&args.trajectory)?;
     let params = params(&scene, args);
-    let mut simulation = Simulation::new(&scene, &params)
-        .map_err(|invalid| Failure::bad_input(format!("--samples {}: allowed is {}", invalid.value, invalid.allowed)))?;
+    let mut simulation = Simulation::new(&scene, &params).map_err(|invalid| refused(args, &invalid))?;
     let mut output = Output::create(args.output.as_deref())?;
     match write_table(&mut simulation, &rows, args.guard, &mut output) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritten(&error)),
@@ -91,6 +90,15 @@ fn params(scene: &Scene, args: &Args) -> ParamsSpec {
     params.tier = args.tier.map_or(params.tier, Tier::from);
     params.samples = args.samples.unwrap_or(params.samples);
     params
+}
+
+/// The number of samples is refused: as the command line gives it, or as the scene does for another tier.
+fn refused(args: &Args, invalid: &Invalid) -> Failure {
+    let given = match args.samples {
+        Some(samples) => format!("--samples {samples}"),
+        None => format!("{}: {} = {}", args.scene.display(), invalid.name, invalid.value),
+    };
+    Failure::bad_input(format!("{given}: allowed is {}", invalid.allowed))
 }
 
 fn write_table(simulation: &mut Simulation<'_>, rows: &[Row], guarded: bool, out: &mut impl Write) -> io::Result<()> {
