@@ -1,7 +1,8 @@
 //! The devices it can pretend to be.
 //!
-//! Force and torque limits are those that the CHAI3D library ships for these models. Masses, damping and encoder steps are the
-//! makers' round figures, good for the right order of magnitude; verify before quoting.
+//! Force and torque limits are those that the CHAI3D library ships for these models. The Premium's mass and
+//! the encoder steps are as on the makers' sheets; other masses, inertias, dampings and speeds are round figures of the right order.
+//! Verify before quoting.
 
 use crate::logic::Limits;
 

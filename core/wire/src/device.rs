@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub enum FromDevice {
     /// Who it is and what it can do; answers [`ToDevice::Hello`], whether the versions agree or not.
     Hello(DeviceHello),
-    /// Where the handle is; once a period, in every mode.
+    /// Where the handle is; once a period while in session, in every mode.
     Pose(PoseReport),
     /// A fault has latched; once per fault.
     Fault(DeviceFault),
@@ -87,7 +87,7 @@ pub struct HostHello {
     pub version: u16,
     /// [`crate::SCHEMA_HASH`] of the host.
     pub schema: u32,
-    /// How often the host wants a [`PoseReport`] \[us\]; a device that cannot reports at its own pace.
+    /// How often the host wants a [`PoseReport`] \[us\]; 0 = 1,000. A device that cannot reports at its own pace.
     pub period_us: u32,
 }
 
@@ -155,7 +155,7 @@ impl WrenchCommand {
 /// What the device does with wrenches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// No session: motors off, waits for a hello. Clears latched faults.
+    /// Motors off; clears the latched fault. The mode after power-up.
     #[default]
     Reset,
     /// In session, motors off.

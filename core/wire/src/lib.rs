@@ -11,7 +11,7 @@
 //! | [`HostHello`] | host → device | first, and after every loss | 14 |
 //! | [`DeviceHello`] | device → host | answers `HostHello` | 46 |
 //! | [`Mode`] (`SetMode`) | host → device | to arm, rest, brake or reset | 2 |
-//! | [`PoseReport`] | device → host | once a period, in every mode | 54 |
+//! | [`PoseReport`] | device → host | once a period while in session | 54 |
 //! | [`WrenchCommand`] | host → device | answers every `PoseReport` | 46 |
 //! | [`DeviceFault`] | device → host | once, when a fault latches | 12 |
 //!

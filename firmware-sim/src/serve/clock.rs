@@ -13,6 +13,7 @@ const CATCH_UP_NS: i64 = 3_000_000;
 /// When the next turn begins.
 #[derive(Debug)]
 pub struct Clock {
+    start_ns: i64,
     next_ns: i64,
     turn_ns: i64,
     turns: u64,
@@ -22,7 +23,12 @@ pub struct Clock {
 impl Clock {
     /// The first turn begins one length from now.
     pub fn start(turn_us: u32) -> Self {
-        Self { next_ns: now_ns(), turn_ns: i64::from(turn_us) * 1000, turns: 0, stood_still: 0 }
+        Self { start_ns: now_ns(), next_ns: now_ns(), turn_ns: i64::from(turn_us) * 1000, turns: 0, stood_still: 0 }
+    }
+
+    /// Time since the start \[s\].
+    pub fn elapsed_s(&self) -> f64 {
+        (now_ns() - self.start_ns) as f64 * 1e-9
     }
 
     /// Turns so far.

@@ -38,9 +38,9 @@ pub fn run(args: &Args) -> Result<()> {
     if args.until_stdin_closes {
         watch_stdin(Arc::clone(&stop));
     }
-    let turns = args.seconds.map(|s| (s * 1e6 / f64::from(TURN_US)) as u64);
+    let in_time = |clock: &Clock| args.seconds.is_none_or(|seconds| clock.elapsed_s() < seconds);
     let mut clock = Clock::start(TURN_US);
-    while !stop.load(Ordering::Relaxed) && turns.is_none_or(|turns| clock.turns() < turns) {
+    while !stop.load(Ordering::Relaxed) && in_time(&clock) {
         clock.wait().context("cannot sleep")?;
         if !server.turn()? {
             break;
