@@ -93,7 +93,3 @@ pub(crate) fn perpendicular(n: Vec3) -> Vec3 {
     let seed = if n.x.abs() < 0.9 { Vec3::X } else { Vec3::Y };
     direction(seed - n * seed.dot(n), Vec3::X)
 }
-
-pub(crate) fn cbrt(x: f32) -> f32 {
-    libm::cbrtf(x)
-}

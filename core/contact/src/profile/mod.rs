@@ -21,18 +21,28 @@ pub struct Profile {
     fullness: f32,
 }
 
-/// Cumulative figures from the centre to a radius r = q a.
+/// Figures at the radius r = q a.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Within {
-    /// Radius over a that still sticks in pure drag when bristles beyond r slip.
-    pub drag_stick: f32,
-    /// The same in pure twist, cubed.
-    pub twist_stick_cubed: f32,
+pub struct At {
+    /// Shift, in units of mu P / K_t, at which a bristle slips.
+    pub drag_softness: f32,
+    /// Hoop shift over a, in units of mu P a / K_theta, at which a bristle slips.
+    pub twist_softness: f32,
     /// Share of the load inside r.
     pub load: f32,
     /// Torque capacity inside r over mu P a.
     pub torque: f32,
+    /// Radius over a that sticks in pure drag when bristles beyond r slip.
+    pub drag_stick: f32,
+    /// The same in pure twist.
+    pub twist_stick: f32,
 }
+
+/// Shares of the elastic compliance 1/K that all bristles of a patch have in common, in drag and in twist: each pulls the surface along
+/// under its neighbours. The rest is each bristle's own. Fitted on paths that turn (theory.md, section 6.2); the tables belong to them.
+pub const COMMON_DRAG: f32 = 0.65;
+/// See [`COMMON_DRAG`].
+pub const COMMON_TWIST: f32 = 0.43;
 
 impl Profile {
     /// Profile of fullness `fullness`, held to the tabulated range.
@@ -47,17 +57,18 @@ impl Profile {
 
     /// Full-slip torque over mu P a: pi/6 (cone), 3 pi/16 (Hertz), pi/4 (flat punch).
     pub fn full_slip_torque(self) -> f32 {
-        self.within(1.0).torque
+        self.at(1.0).torque
     }
 
-    /// Cumulative figures inside r = `q` a, q in 0..=1.
-    pub fn within(self, q: f32) -> Within {
+    /// Figures at r = `q` a, q in 0..=1.
+    pub fn at(self, q: f32) -> At {
         let place = INTERVALS as f32 * root(1.0 - q * q);
         let row = floor(place);
         let index = if row >= INTERVALS as f32 { INTERVALS - 1 } else { row as usize };
         let blend = place - index as f32;
-        let [drag_stick, twist_stick_cubed, load, torque] = self.blended(|table| mix(table[index], table[index + 1], blend));
-        Within { drag_stick, twist_stick_cubed, load, torque }
+        let row = self.blended(|table| mix(table[index], table[index + 1], blend));
+        let [drag_softness, twist_softness, load, torque, drag_stick, twist_stick] = row;
+        At { drag_softness, twist_softness, load, torque, drag_stick, twist_stick }
     }
 
     fn blended(self, read: impl Fn(&Table) -> Row) -> Row {
@@ -85,9 +96,9 @@ mod tests {
         for step in 0..=50 {
             let q = step as f32 / 50.0;
             let x = root(1.0 - q * q);
-            let hertz = Profile::new(FULLNESS_HERTZ).within(q);
+            let hertz = Profile::new(FULLNESS_HERTZ).at(q);
             assert!((hertz.load - (1.0 - x * x * x)).abs() < 3.0e-4, "{q} {hertz:?}");
-            let punch = Profile::new(FULLNESS_PUNCH).within(q);
+            let punch = Profile::new(FULLNESS_PUNCH).at(q);
             assert!((punch.load - (1.0 - x)).abs() < 1.0e-6, "{q} {punch:?}");
         }
         for (fullness, torque) in [(FULLNESS_CONE, PI / 6.0), (FULLNESS_HERTZ, 3.0 * PI / 16.0), (FULLNESS_PUNCH, PI / 4.0)] {

@@ -1,13 +1,13 @@
 //! Tier `bristle`: independent bristles on a polar grid, each with Coulomb's cap of its own place.
 //!
-//! The stiffness of the bristles inside a radius is that of the disc which truly sticks when everything beyond slips, and their caps
-//! are the true pressure: pure drag and pure twist are then exact for any axisymmetric pressure in the limit of fine rings
-//! (theory.md, section 5). Rings keep their place in the material while the contact radius changes: traction belongs to a material
+//! Caps are the true pressure; stiffness is chosen so that pure drag and pure twist are exact for any axisymmetric pressure in the
+//! limit of fine rings (theory.md, section 5). Rings keep their place in the material while the contact radius changes: traction belongs to a material
 //! place, new contact enters free, and what a falling pressure sheds does not come back.
 
 pub mod grid;
 pub mod ring;
 pub mod slip;
+pub mod stiffness;
 
 pub use grid::Grid;
 
@@ -17,8 +17,10 @@ use crate::limits::MAX_BRISTLES;
 use crate::math::{cos, sin};
 use crate::params::Params;
 use crate::patch::{Grip, Patch, Shift};
+use crate::profile::{COMMON_DRAG, COMMON_TWIST};
 use crate::tier::{Hold, rolled_away};
 use ring::Rings;
+use slip::Common;
 
 /// One bristle: what its cell of the contact holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,34 +72,29 @@ impl Layout {
     }
 }
 
-/// Passes that share a shift between contact and body. The first takes the stuck stiffness, so it never overshoots; the others
-/// use the stiffness that the pass before left.
-const PASSES: usize = 4;
-
-/// Share of the target below which the rest of a shift is left to the next tick: what f32 resolves.
-const SETTLED: f32 = 1.0e-6;
-
-/// Advances the patch to `hold.target`.
+/// Advances the patch by its motion of this tick.
 pub fn advance(hold: &Hold, params: &Params, patch: &mut Patch, bristles: &mut [Bristle]) {
     let layout = &params.layout;
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(hold, patch, bristles);
     }
+    let before = patch.grip;
     patch.grid.fit(layout, hold.radius, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
     grid::thin(layout, &rings, bristles, 1.0 - rolled_away(patch.motion.rolled, hold.radius));
-    let mut tangent = (hold.drag_stiffness, hold.twist_stiffness);
-    let mut grip = rings.sum(layout, bristles);
-    let passes = if hold.body.drag > 0.0 || hold.body.twist > 0.0 { PASSES } else { 1 };
-    for _ in 0..passes {
-        let step = local_step(hold, patch.local, &grip, tangent);
-        patch.local = patch.local + step;
-        (grip, tangent) = slip::apply(hold, layout, &rings, bristles, step);
-        if is_settled(hold, &patch.local, &grip) {
-            break;
-        }
+    let wanted = Shift { drag: hold.target.drag - patch.local.drag, twist: hold.target.twist - patch.local.twist };
+    let answer = slip::shift(hold, layout, &rings, bristles, &common(hold), wanted, &before);
+    // `local` is the part of the target that has been taken up, so that what is left is carried on and nothing drifts
+    patch.local = Shift { drag: hold.target.drag - answer.rest.drag, twist: hold.target.twist - answer.rest.twist };
+    patch.grip = answer.grip;
+}
+
+/// Common share of the local compliance, with the body in series.
+fn common(hold: &Hold) -> Common {
+    Common {
+        drag: COMMON_DRAG / hold.drag_stiffness + hold.body.drag,
+        twist: COMMON_TWIST / hold.twist_stiffness + hold.body.twist,
     }
-    patch.grip = grip;
 }
 
 fn let_go(hold: &Hold, patch: &mut Patch, bristles: &mut [Bristle]) {
@@ -105,22 +102,4 @@ fn let_go(hold: &Hold, patch: &mut Patch, bristles: &mut [Bristle]) {
     bristles.fill(Bristle::default());
     patch.local = hold.target;
     patch.grip = Grip::default();
-}
-
-/// The contact's share of what is left of the shift: rest / (1 + K_tan C).
-fn local_step(hold: &Hold, local: Shift, grip: &Grip, tangent: (f32, f32)) -> Shift {
-    let rest = rest(hold, &local, grip);
-    Shift { drag: rest.drag / (1.0 + tangent.0 * hold.body.drag), twist: rest.twist / (1.0 + tangent.1 * hold.body.twist) }
-}
-
-fn rest(hold: &Hold, local: &Shift, grip: &Grip) -> Shift {
-    Shift {
-        drag: hold.target.drag - local.drag - grip.force * hold.body.drag,
-        twist: hold.target.twist - local.twist - grip.torque * hold.body.twist,
-    }
-}
-
-fn is_settled(hold: &Hold, local: &Shift, grip: &Grip) -> bool {
-    let rest = rest(hold, local, grip);
-    rest.drag.length() <= SETTLED * hold.target.drag.length() && rest.twist.abs() <= SETTLED * hold.target.twist.abs()
 }

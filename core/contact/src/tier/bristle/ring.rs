@@ -1,12 +1,12 @@
-//! What a bristle of each ring can hold and how stiff it is: exact integrals of the profile over the ring.
+//! What a bristle of each ring can hold and how stiff it is.
 
 use crate::math::min;
 use crate::patch::Grip;
-use crate::profile::Within;
+use crate::profile::At;
 use crate::tier::Hold;
 use crate::tier::bristle::{AROUND, Bristle, Grid, Layout, MAX_RINGS};
 
-/// One bristle's figures; the same for all bristles of a ring.
+/// One bristle's figures; the same for both bristles of a ring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ring {
     /// Normal load of the cell \[N\]; its cap is mu times this.
@@ -32,18 +32,14 @@ impl Rings {
     /// Rings of `grid` under the load of `hold`.
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
         let mut rings = [Ring::default(); MAX_RINGS];
-        let share = 1.0 / AROUND as f32;
-        let (mut inner, mut inner_squares, mut len) = (Within::default(), (0.0, 0.0), 0);
+        let (mut inner, mut len) = (At::default(), 0);
         for (k, ring) in rings.iter_mut().enumerate().take(layout.rings) {
             if grid.width * k as f32 >= hold.radius {
                 break;
             }
-            let q = min(grid.width * (k + 1) as f32 / hold.radius, 1.0);
-            let outer = hold.profile.within(q);
-            let squares = (outer.drag_stick * outer.drag_stick, two_thirds(outer.twist_stick_cubed));
-            *ring = between(hold, share, &inner, &outer);
-            ring.stuck = ((squares.0 - inner_squares.0) * share, (squares.1 - inner_squares.1) * share);
-            (inner, inner_squares, len) = (outer, squares, k + 1);
+            let outer = hold.profile.at(min(grid.width * (k + 1) as f32 / hold.radius, 1.0));
+            *ring = between(hold, &inner, &outer);
+            (inner, len) = (outer, k + 1);
         }
         Self { rings, len }
     }
@@ -63,10 +59,10 @@ impl Rings {
         &self.rings[..self.len]
     }
 
-    /// Resultant of the bristles.
+    /// Resultant of the bristles; `stick` is left at 0.
     pub fn sum(&self, layout: &Layout, bristles: &[Bristle]) -> Grip {
         let mut grip = Grip::default();
-        for (k, (ring, cells)) in self.as_slice().iter().zip(bristles.chunks(AROUND)).enumerate() {
+        for (k, (ring, cells)) in self.as_slice().iter().zip(bristles.chunks_exact(AROUND)).enumerate() {
             for (j, cell) in cells.iter().enumerate() {
                 grip.force += cell.force;
                 grip.torque += ring.arm * layout.direction(k, j).perp_dot(cell.force);
@@ -76,17 +72,21 @@ impl Rings {
     }
 }
 
-fn between(hold: &Hold, share: f32, inner: &Within, outer: &Within) -> Ring {
-    let load = hold.load * (outer.load - inner.load);
-    let torque = hold.load * hold.radius * (outer.torque - inner.torque);
-    let arm = if load > 0.0 { torque / load } else { hold.radius };
-    let drag = hold.drag_stiffness * (outer.drag_stick - inner.drag_stick);
-    let twist = hold.twist_stiffness * (outer.twist_stick_cubed - inner.twist_stick_cubed) / arm;
-    Ring { load: load * share, drag: drag * share, twist: twist * share, arm, stuck: (0.0, 0.0) }
+/// Stiffness is taken where the cell's force acts; integrating it over the ring would count the soft rim twice.
+fn between(hold: &Hold, inner: &At, outer: &At) -> Ring {
+    let share = 1.0 / AROUND as f32;
+    let load = outer.load - inner.load;
+    let arm = if load > 0.0 { min((outer.torque - inner.torque) / load, 1.0) } else { 1.0 };
+    let here = hold.profile.at(arm);
+    let stuck = |outer: f32, inner: f32| (outer * outer - inner * inner) * share;
+    Ring {
+        load: hold.load * load * share,
+        drag: share * load * hold.drag_stiffness / (here.drag_softness + LEAST_SOFTNESS),
+        twist: share * load * hold.twist_stiffness / (hold.radius * (here.twist_softness + LEAST_SOFTNESS)),
+        arm: arm * hold.radius,
+        stuck: (stuck(outer.drag_stick, inner.drag_stick), stuck(outer.twist_stick, inner.twist_stick)),
+    }
 }
 
-/// x^(2/3).
-fn two_thirds(x: f32) -> f32 {
-    let root = crate::math::cbrt(x);
-    root * root
-}
+/// Keeps the stiffness of a rim cell finite; 1e-6 of the full-slip shift.
+const LEAST_SOFTNESS: f32 = 1.0e-6;

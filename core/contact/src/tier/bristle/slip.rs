@@ -1,4 +1,9 @@
-//! The slip rule: what one bristle does when its patch shifts (theory.md, section 6.2).
+//! The slip rule: what the bristles of a patch do when it shifts (theory.md, section 6.2).
+//!
+//! Every bristle feels the shift less what all of them together pull the surface along: C dF with the resultant F = (Q, T) of the patch
+//! and C = diag(c_t, c_t, c_theta), the common share of the elastic compliance plus the body's. Against that remainder each is an
+//! elastic spring with Coulomb's cap. The few unknowns (the remainder d, a drag and a twist) are found by Newton's method in a fixed
+//! number of passes, always from the bristles' old forces, starting from the stiffness of full stick so that it cannot overshoot.
 
 use glam::Vec2;
 
@@ -6,94 +11,155 @@ use crate::math::{min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::ring::{Ring, Rings};
+use crate::tier::bristle::stiffness::Stiffness;
 use crate::tier::bristle::{AROUND, Bristle, Layout};
 
-/// How strongly the slip direction turns the traction of a slipping bristle.
-const TURNING: f32 = 1.4;
-
-/// Moves every bristle by `step` and returns the new grip with the tangent stiffness (drag, twist) of what still sticks.
-pub fn apply(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &mut [Bristle], step: Shift) -> (Grip, (f32, f32)) {
-    let mut sum = Sum::default();
-    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_mut(AROUND)).enumerate() {
-        for (j, cell) in cells.iter_mut().enumerate() {
-            let radial = layout.direction(k, j);
-            let sticks = move_bristle(hold, ring, radial, step, cell);
-            sum.add(ring, radial, cell.force, sticks);
-        }
-    }
-    sum.finish(hold)
+/// Compliance that all bristles of a patch share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Common {
+    /// c_t \[m/N\].
+    pub drag: f32,
+    /// c_theta \[rad/(N m)\].
+    pub twist: f32,
 }
 
-/// Resultants gathered over the bristles.
-#[derive(Default)]
-struct Sum {
+impl Common {
+    /// Compliance times a change of grip.
+    pub fn yields(&self, force: Vec2, torque: f32) -> Shift {
+        Shift { drag: force * self.drag, twist: torque * self.twist }
+    }
+}
+
+/// Passes of Newton's method. Two reach the limit of fine steps at 1 kHz; the third serves coarse ones.
+const PASSES: usize = 3;
+
+/// Answer of [`shift`].
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// The new grip.
+    pub grip: Grip,
+    /// What is left of the shift for the next tick.
+    pub rest: Shift,
+}
+
+/// Shifts the patch by `wanted`; `before` is the grip that the remainder is counted from.
+pub fn shift(
+    hold: &Hold,
+    layout: &Layout,
+    rings: &Rings,
+    bristles: &mut [Bristle],
+    common: &Common,
+    wanted: Shift,
+    before: &Grip,
+) -> Answer {
+    let mut stiffness = Stiffness::all_stuck(layout, rings);
+    let (mut felt, mut rest) = (Shift::default(), wanted);
+    for _ in 0..PASSES {
+        felt = felt + stiffness.solve(common, rest);
+        let trial = probe(hold, layout, rings, bristles, felt);
+        let taken = common.yields(trial.force - before.force, trial.torque - before.torque);
+        rest = Shift { drag: wanted.drag - felt.drag - taken.drag, twist: wanted.twist - felt.twist - taken.twist };
+        stiffness = trial.stiffness;
+    }
+    Answer { grip: settle(hold, layout, rings, bristles, felt), rest }
+}
+
+/// Resultant and tangent stiffness at a trial shift.
+struct Trial {
     force: Vec2,
     torque: f32,
-    tangent: (f32, f32),
-    stuck: (f32, f32),
+    stiffness: Stiffness,
 }
 
-impl Sum {
-    fn add(&mut self, ring: &Ring, radial: Vec2, force: Vec2, sticks: bool) {
-        self.force += force;
-        self.torque += ring.arm * radial.perp_dot(force);
-        if sticks {
-            self.tangent.0 += ring.drag;
-            self.tangent.1 += ring.twist * ring.arm;
-            self.stuck.0 += ring.stuck.0;
-            self.stuck.1 += ring.stuck.1;
+/// What the bristles would hold if the patch shifted by `felt`; changes nothing.
+fn probe(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], felt: Shift) -> Trial {
+    let mut trial = Trial { force: Vec2::ZERO, torque: 0.0, stiffness: Stiffness::default() };
+    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_exact(AROUND)).enumerate() {
+        for (j, cell) in cells.iter().enumerate() {
+            let radial = layout.direction(k, j);
+            let moved = Moved::new(hold, ring, radial, cell, felt);
+            trial.force += moved.force;
+            trial.torque += ring.arm * radial.perp_dot(moved.force);
+            trial.stiffness.add(ring, radial, moved.slides, moved.scale, moved.force);
         }
     }
+    trial
+}
 
-    /// The stuck share of the area lies between its pure-drag and its pure-twist reading, by how much of each is used.
-    fn finish(self, hold: &Hold) -> (Grip, (f32, f32)) {
-        let drag = self.force.length_squared() / square(hold.mu_s * hold.load);
-        let twist = square(self.torque / (hold.mu_s * hold.load * hold.radius * hold.profile.full_slip_torque()));
-        let blend = if drag + twist > 0.0 { twist / (drag + twist) } else { 1.0 };
-        let stick = min(self.stuck.0 + (self.stuck.1 - self.stuck.0) * blend, 1.0);
-        (Grip { force: self.force, torque: self.torque, stick }, self.tangent)
+/// Moves the bristles for good.
+fn settle(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &mut [Bristle], felt: Shift) -> Grip {
+    let mut grip = Grip::default();
+    let mut stuck = (0.0, 0.0);
+    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_exact_mut(AROUND)).enumerate() {
+        for (j, cell) in cells.iter_mut().enumerate() {
+            let radial = layout.direction(k, j);
+            let moved = Moved::new(hold, ring, radial, cell, felt);
+            cell.force = moved.force;
+            cell.slipped = moved.slipped(hold, ring, cell.slipped);
+            grip.force += moved.force;
+            grip.torque += ring.arm * radial.perp_dot(moved.force);
+            if !moved.slides {
+                stuck = (stuck.0 + ring.stuck.0, stuck.1 + ring.stuck.1);
+            }
+        }
     }
+    grip.stick = stick_share(hold, &grip, stuck);
+    grip
+}
+
+/// The stuck share of the area lies between its pure-drag and its pure-twist reading, by how much of each is used.
+fn stick_share(hold: &Hold, grip: &Grip, stuck: (f32, f32)) -> f32 {
+    let drag = grip.force.length_squared() / square(hold.mu_s * hold.load);
+    let twist = square(grip.torque / (hold.mu_s * hold.load * hold.radius * hold.profile.full_slip_torque()));
+    let blend = if drag + twist > 0.0 { twist / (drag + twist) } else { 1.0 };
+    min(stuck.0 + (stuck.1 - stuck.0) * blend, 1.0)
 }
 
 fn square(x: f32) -> f32 {
     x * x
 }
 
-/// Moves one bristle; true while it sticks.
-fn move_bristle(hold: &Hold, ring: &Ring, radial: Vec2, step: Shift, cell: &mut Bristle) -> bool {
-    let hoop = radial.perp();
-    let trial = cell.force + step.drag * ring.drag + hoop * (ring.twist * step.twist);
-    let cap = friction(hold, ring, cell.slipped) * ring.load;
-    let size2 = trial.length_squared();
-    if size2 <= cap * cap {
-        cell.force = trial;
-        if cell.slipped > 0.0 && size2 < square(hold.mu_d * ring.load) {
-            cell.slipped = 0.0;
+/// One bristle after a shift.
+struct Moved {
+    force: Vec2,
+    slides: bool,
+    /// Cap over the size of the elastic trial; 1 while it sticks.
+    scale: f32,
+    /// Size of the elastic trial \[N\].
+    trial: f32,
+}
+
+impl Moved {
+    fn new(hold: &Hold, ring: &Ring, radial: Vec2, cell: &Bristle, felt: Shift) -> Self {
+        let trial = cell.force + felt.drag * ring.drag + radial.perp() * (ring.twist * felt.twist);
+        let size2 = trial.length_squared();
+        let cap = friction(hold, ring, cell.slipped) * ring.load;
+        if size2 <= cap * cap {
+            return Self { force: trial, slides: false, scale: 1.0, trial: 0.0 };
         }
-        return true;
+        let size = root(size2);
+        // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
+        let cap = if hold.sharp { hold.mu_d * ring.load } else { cap };
+        let scale = cap / size;
+        Self { force: trial * scale, slides: true, scale, trial: size }
     }
-    let slip = step.drag + hoop * (ring.arm * step.twist);
-    let slipped = cell.slipped + root(slip.length_squared());
-    cell.slipped = if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
-    let cap = friction(hold, ring, cell.slipped) * ring.load;
-    cell.force = along(cell.force + slip * (TURNING * ring.drag), trial) * cap;
-    false
+
+    /// Distance slipped since stick was left: what the cap cut off, over the stiffness. Back to 0 when it sticks below the dynamic cap.
+    fn slipped(&self, hold: &Hold, ring: &Ring, before: f32) -> f32 {
+        if self.slides {
+            let cut = self.trial * (1.0 - self.scale) / ring.drag;
+            let slipped = before + cut;
+            return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
+        }
+        if before > 0.0 && self.force.length_squared() < square(hold.mu_d * ring.load) { 0.0 } else { before }
+    }
 }
 
 /// A bristle that has left stick is marked by a slip above zero, however small the step was \[m\].
 const LEAST_SLIP: f32 = 1.0e-12;
 
-fn along(v: Vec2, otherwise: Vec2) -> Vec2 {
-    let size = root(v.length_squared());
-    if size > 0.0 {
-        return v / size;
-    }
-    let size = root(otherwise.length_squared());
-    if size > 0.0 { otherwise / size } else { Vec2::ZERO }
-}
-
 /// Friction of a cell that slipped by `slipped`. Sharp: dynamic at once. Smooth: falls over a length on which the bristle would shed
-/// twice the difference, so that force over shift keeps at least half the stuck slope's size and nothing snaps.
+/// twice the difference, so that force over shift falls at half the stuck slope and nothing snaps.
 fn friction(hold: &Hold, ring: &Ring, slipped: f32) -> f32 {
     let excess = hold.mu_s - hold.mu_d;
     if excess <= 0.0 || slipped <= 0.0 {
