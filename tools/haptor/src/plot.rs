@@ -25,8 +25,11 @@ const SIZE: (u32, u32) = (1200, 640);
 /// Most points drawn of a curve: some twenty per column of pixels; more would draw the same picture.
 const MAX_POINTS: usize = 20_000;
 
-/// Blue, vermilion, green, black.
-const COLOURS: [RGBColor; 4] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(30, 30, 30)];
+/// Grey for the magnitude, drawn first and wide; then blue, vermilion, green.
+const COLOURS: [RGBColor; 4] = [RGBColor(190, 190, 190), RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
+
+/// Width of each curve \[pixels\].
+const WIDTHS: [u32; 4] = [6, 2, 2, 2];
 
 /// The name under which the font is registered.
 const FONT: &str = "sans-serif";
@@ -58,8 +61,9 @@ fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), 
         .y_label_area_size(80)
         .build_cartesian_2d(time, value)?;
     chart.configure_mesh().x_desc("time [s]").y_desc(label).label_style((FONT, 18)).axis_desc_style((FONT, 22)).draw()?;
-    for (curve, &colour) in curves.iter().zip(COLOURS.iter().cycle()) {
-        let style = colour.stroke_width(2);
+    let looks = COLOURS.iter().zip(WIDTHS).cycle();
+    for (curve, (colour, width)) in curves.iter().zip(looks) {
+        let style = colour.stroke_width(width);
         let series = chart.draw_series(LineSeries::new(thinned(&curve.points), style))?;
         series.label(curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
     }
@@ -80,6 +84,8 @@ fn ranges(curves: &[Curve]) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
     };
     let ((start, end), (low, high)) = (span(|p| p.0), span(|p| p.1));
     let room = 0.05 * (high - low);
+    // a session's time begins a moment after zero
+    let start = if (0.0..0.1 * end).contains(&start) { 0.0 } else { start };
     (start..end, low - room..high + room)
 }
 

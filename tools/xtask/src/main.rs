@@ -1,1 +1,54 @@
-fn main() {}
+//! Developer commands, one per file: what a laptop runs is what the server runs.
+#![forbid(unsafe_code)]
+
+mod ci;
+mod demo;
+mod docs;
+mod m7;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Developer commands of haptor.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", arg_required_else_help = true, after_help = "Example: cargo xtask demo --seconds 5")]
+enum Cli {
+    /// Builds the three programs in release and runs `haptor demo` with the arguments that follow
+    #[command(after_help = "Example: cargo xtask demo --seconds 5 -o my-demo")]
+    Demo {
+        /// Arguments of `haptor demo`
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
+    /// Format, lints with warnings denied, tests, API documentation, documents
+    #[command(after_help = "Example: cargo xtask ci")]
+    Ci,
+    /// Builds the core and the wire for a Cortex-M7 without an operating system and looks for an allocator
+    #[command(after_help = "Example: cargo xtask m7")]
+    M7,
+    /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
+    #[command(after_help = "Example: cargo xtask docs --check")]
+    Docs {
+        /// Only check, the one thing this does
+        #[arg(long, required = true)]
+        check: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse() {
+        Cli::Demo { args } => demo::run(&args),
+        Cli::Ci => ci::run(),
+        Cli::M7 => m7::run(),
+        Cli::Docs { .. } => docs::check(),
+    };
+    match done {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -104,9 +104,9 @@ impl Folder {
         let mut csv = Output::create(Some(&self.path.join("wrench.csv")))?;
         table::write(&recording.ticks, &mut csv).map_err(|error| unwritten(&error))?;
         csv.finish()?;
-        let force = curves(&recording.ticks, |tick| tick.contact_force, ["Fx", "Fy", "Fz", "|F|"]);
+        let force = curves(&recording.ticks, |tick| tick.contact_force, ["|F|", "Fx", "Fy", "Fz"]);
         plot::draw(&self.path.join("force.png"), "Contact force on the probe", "force [N]", &force)?;
-        let torque = curves(&recording.ticks, |tick| tick.contact_torque, ["Tx", "Ty", "Tz", "|T|"]);
+        let torque = curves(&recording.ticks, |tick| tick.contact_torque, ["|T|", "Tx", "Ty", "Tz"]);
         plot::draw(&self.path.join("torque.png"), "Contact torque on the probe", "torque [N m]", &torque)?;
         Ok(())
     }
@@ -169,15 +169,16 @@ fn show(bar: &ProgressBar, now: &Progress) {
     bar.set_message(format!("Fz {fz:7.2} N  Tz {tz:8.4} N m  regions {}{fault}", now.regions));
 }
 
+/// Magnitude and components over time.
 fn curves(ticks: &[TickRecord], of: fn(&TickRecord) -> [f32; 3], names: [&'static str; 4]) -> Vec<Curve> {
-    let curve = |axis: usize| {
-        let value = move |tick: &TickRecord| {
-            let v = of(tick).map(f64::from);
-            v.get(axis).copied().unwrap_or_else(|| v.iter().map(|x| x * x).sum::<f64>().sqrt())
-        };
-        ticks.iter().map(|tick| (tick.t_us as f64 / 1.0e6, value(tick))).collect()
-    };
-    names.iter().enumerate().map(|(axis, name)| Curve { name, points: curve(axis) }).collect()
+    let values = ticks.iter().map(|tick| {
+        let [x, y, z] = of(tick).map(f64::from);
+        (tick.t_us as f64 / 1.0e6, [(x * x + y * y + z * z).sqrt(), x, y, z])
+    });
+    let values: Vec<_> = values.collect();
+    let points = |row: usize| values.iter().map(|&(t, rows)| (t, rows[row])).collect();
+    let curve = |(row, name)| Curve { name, points: points(row) };
+    names.into_iter().enumerate().map(curve).collect()
 }
 
 /// Prints the table and says whether the session was good.

@@ -1,0 +1,120 @@
+//! `cargo xtask docs --check`: do the documents still tell the truth? Three things can be checked without running anything:
+//! relative links and pictures lead to files, every `haptor ...` command exists with the options shown, every `cargo xtask ...`
+//! command exists.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result, bail};
+
+use crate::run::{self, cargo, root, target};
+
+/// Checks every document; all that is wrong is said before it fails.
+pub fn check() -> Result<ExitCode> {
+    run::run(cargo().args(["build", "--quiet", "-p", "haptor"]))?;
+    let haptor = target()?.join("debug/haptor");
+    let documents = documents()?;
+    let mut wrong = Vec::new();
+    for path in &documents {
+        let text = fs::read_to_string(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let lines = text.lines().enumerate();
+        let found =
+            lines.flat_map(|(index, line)| check_line(path, line, &haptor).into_iter().map(move |what| (index + 1, what)));
+        wrong.extend(found.map(|(line, what)| format!("{}:{line}: {what}", path.display())));
+    }
+    if wrong.is_empty() {
+        println!("{} documents checked", documents.len());
+        return Ok(ExitCode::SUCCESS);
+    }
+    bail!("the documents are wrong in {} places:\n{}", wrong.len(), wrong.join("\n"))
+}
+
+/// Every Markdown file of the repository.
+fn documents() -> Result<Vec<PathBuf>> {
+    let listed = run::ask("git", &["ls-files", "--cached", "--others", "--exclude-standard", "*.md"]);
+    let listed = listed.context("git cannot list the documents")?;
+    let paths: Vec<_> = listed.lines().map(|line| root().join(line)).filter(|path| path.is_file()).collect();
+    if paths.is_empty() { bail!("there are no documents") } else { Ok(paths) }
+}
+
+fn check_line(path: &Path, line: &str, haptor: &Path) -> Vec<String> {
+    let folder = path.parent().unwrap_or(root());
+    let links = links(line).into_iter().filter(|link| !folder.join(link).exists());
+    let mut wrong: Vec<_> = links.map(|link| format!("link to {link}, which is not there")).collect();
+    let commands = commands(line);
+    wrong.extend(commands.iter().filter_map(|words| check_command(words, haptor)));
+    wrong
+}
+
+/// Targets of the line's links and pictures within the repository, without their anchors.
+fn links(line: &str) -> Vec<&str> {
+    let ends = line.match_indices("](").map(|(at, _)| &line[at + 2..]);
+    let targets = ends.filter_map(|rest| rest.split(')').next());
+    let outside = |target: &&str| !(target.contains("://") || target.starts_with('#') || target.is_empty());
+    targets.filter(outside).filter_map(|target| target.split('#').next()).collect()
+}
+
+/// Commands of ours in the line: whole lines of a shell example, or spans between backquotes.
+fn commands(line: &str) -> Vec<Vec<&str>> {
+    let is_ours = |text: &&str| ["haptor ", "cargo xtask "].iter().any(|start| text.starts_with(start));
+    let shell = line.trim_start().trim_start_matches("$ ").trim_start_matches("target/release/");
+    let spans = line.split('`').skip(1).step_by(2);
+    let all = std::iter::once(shell).chain(spans).filter(is_ours);
+    all.map(|text| text.split('#').next().unwrap_or(text).split_whitespace().collect()).collect()
+}
+
+/// What is wrong with a command; nothing is run but `--help`.
+fn check_command(words: &[&str], haptor: &Path) -> Option<String> {
+    let shown = words.join(" ");
+    let (program, rest) = match words {
+        ["cargo", "xtask", rest @ ..] => (std::env::current_exe().ok()?, rest),
+        [_, rest @ ..] => (haptor.to_owned(), rest),
+        [] => return None,
+    };
+    let is_name = |word: &&&str| {
+        word.starts_with(|c: char| c.is_ascii_lowercase())
+            && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
+    };
+    // `mesh info` and `trajectory press-twist-slide` have two words, the others one
+    let depth = if matches!(rest.first(), Some(&("mesh" | "trajectory"))) { 2 } else { 1 };
+    let names: Vec<_> = rest.iter().take(depth).take_while(is_name).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let output = Command::new(program).args(&names).arg("--help").output().ok()?;
+    if !output.status.success() {
+        return Some(format!("`{shown}`: no such command"));
+    }
+    let help = String::from_utf8_lossy(&output.stdout).into_owned();
+    // what follows `cargo xtask demo` belongs to `haptor demo`
+    if words.first() == Some(&"cargo") && rest.first() == Some(&"demo") {
+        return check_command(&[&["haptor"], rest].concat(), haptor);
+    }
+    let options = rest.iter().filter_map(|word| word.strip_prefix("--")).map(|word| word.split('=').next().unwrap_or(word));
+    options
+        .filter(|option| !help.contains(&format!("--{option}")))
+        .map(|option| format!("`{shown}`: no option --{option}"))
+        .next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_within_the_repository_are_found() {
+        let line = "see [a](core/a.md#part), [b](https://example.org/b), ![c](tests/c.png) and [d](#here)";
+        assert_eq!(links(line), ["core/a.md", "tests/c.png"]);
+    }
+
+    #[test]
+    fn commands_are_found_in_examples_and_in_text() {
+        assert_eq!(commands("haptor eval a b -o c  # says nothing"), [["haptor", "eval", "a", "b", "-o", "c"]]);
+        assert_eq!(
+            commands("run `cargo xtask ci` and `haptor doctor`"),
+            [vec!["cargo", "xtask", "ci"], vec!["haptor", "doctor"]]
+        );
+        assert!(commands("haptor's heart").is_empty());
+    }
+}

@@ -1,0 +1,131 @@
+//! `cargo xtask m7`: the core and the wire for a Cortex-M7 without an operating system, and the proof that nothing in them
+//! allocates.
+//!
+//! Two toolchains can do it. Where rustup's target is installed it is used. Where rustup cannot fetch it, Debian's second Rust
+//! (packages rustc-web and rust-web-src) builds `core` from source. Which one was used is said.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result, bail};
+
+use crate::run::{self, ask, cargo, target};
+
+/// A Cortex-M7 with a floating-point unit of single precision.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// What must build for it.
+const CRATES: [&str; 2] = ["haptor-contact", "haptor-wire"];
+
+/// Debian's packages for a machine whose rustup has no network.
+const PACKAGES: [&str; 2] = ["rustc-web", "rust-web-src"];
+
+/// Where Debian puts that compiler.
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+
+/// What every symbol of Rust's allocator has in its name.
+const ALLOCATOR: &[u8] = b"__rust_alloc";
+
+/// How `core` for the target is come by.
+enum Toolchain {
+    /// rustup's target, ready made.
+    Rustup,
+    /// Debian's compiler, `core` from its source.
+    Debian,
+}
+
+/// Builds and looks.
+pub fn run() -> Result<ExitCode> {
+    let folder = target()?.join("m7");
+    match toolchain()? {
+        Toolchain::Rustup => {
+            println!("toolchain: rustup's target {TARGET}");
+            run::run(&mut build(&folder))?;
+        }
+        Toolchain::Debian => {
+            println!("toolchain: {}, core from source", version());
+            let mut command = build(&folder);
+            command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").arg("-Zbuild-std=core");
+            run::run(&mut command)?;
+        }
+    }
+    let libraries = libraries(&folder.join(TARGET).join("release/deps"))?;
+    no_allocator(&libraries)?;
+    println!("{} libraries for {TARGET}, no allocator in any of them", libraries.len());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The build; its own folder, so that it never disturbs the host's.
+fn build(folder: &Path) -> Command {
+    let mut command = cargo();
+    command.args(["build", "--release", "--lib", "--target", TARGET]);
+    command.args(CRATES.iter().flat_map(|name| ["-p", *name])).arg("--target-dir").arg(folder);
+    command
+}
+
+fn toolchain() -> Result<Toolchain> {
+    if has_core(Path::new("rustc")) {
+        return Ok(Toolchain::Rustup);
+    }
+    if !has_source() {
+        install()?;
+    }
+    if has_source() {
+        return Ok(Toolchain::Debian);
+    }
+    bail!("no compiler for {TARGET}: run `rustup target add {TARGET}`, or as root `apt-get install {}`", PACKAGES.join(" "))
+}
+
+/// Has this compiler a ready-made `core` for the target?
+fn has_core(rustc: &Path) -> bool {
+    let folder = ask(rustc, &["--print", "target-libdir", "--target", TARGET]);
+    folder.is_some_and(|folder| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()))
+}
+
+/// Has Debian's compiler the source of `core` beside it?
+fn has_source() -> bool {
+    let sysroot = ask(DEBIAN_RUSTC, &["--print", "sysroot"]);
+    sysroot.is_some_and(|sysroot| Path::new(&sysroot).join("lib/rustlib/src/rust/library/core").is_dir())
+}
+
+fn version() -> String {
+    ask(DEBIAN_RUSTC, &["--version"]).unwrap_or_default()
+}
+
+/// Installs Debian's packages where that is possible; where it is not, the caller says what to do.
+fn install() -> Result<()> {
+    if ask("apt-get", &["--version"]).is_none() || ask("id", &["-u"]).as_deref() != Some("0") {
+        return Ok(());
+    }
+    run::run(Command::new("apt-get").args(["install", "-y", "--no-install-recommends"]).args(PACKAGES))
+}
+
+/// The libraries of a build, `core` and its helpers left out: they define what is looked for.
+fn libraries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder).with_context(|| format!("{} cannot be read", folder.display()))?;
+    let is_ours = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let of_rust = ["libcore-", "libcompiler_builtins-", "librustc_std_workspace"].iter().any(|start| name.starts_with(start));
+        name.ends_with(".rlib") && !of_rust
+    };
+    let libraries: Vec<_> = entries.flatten().map(|entry| entry.path()).filter(is_ours).collect();
+    for name in CRATES {
+        let file = format!("lib{}-", name.replace('-', "_"));
+        if !libraries.iter().any(|path| path.file_name().is_some_and(|found| found.to_string_lossy().starts_with(&file))) {
+            bail!("{} holds no library of {name}", folder.display());
+        }
+    }
+    Ok(libraries)
+}
+
+/// Symbol names stand in a library as they are, so looking for the bytes needs no tool.
+fn no_allocator(libraries: &[PathBuf]) -> Result<()> {
+    for path in libraries {
+        let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        if bytes.windows(ALLOCATOR.len()).any(|window| window == ALLOCATOR) {
+            bail!("{} allocates: it names {}", path.display(), String::from_utf8_lossy(ALLOCATOR));
+        }
+    }
+    Ok(())
+}
