@@ -29,7 +29,7 @@ const MAX_POINTS: usize = 20_000;
 const COLOURS: [RGBColor; 4] = [RGBColor(190, 190, 190), RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
 
 /// Width of each curve \[pixels\].
-const WIDTHS: [u32; 4] = [6, 2, 2, 2];
+const WIDTHS: [u32; 4] = [4, 2, 2, 2];
 
 /// The name under which the font is registered.
 const FONT: &str = "sans-serif";
@@ -60,7 +60,14 @@ fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), 
         .x_label_area_size(48)
         .y_label_area_size(80)
         .build_cartesian_2d(time, value)?;
-    chart.configure_mesh().x_desc("time [s]").y_desc(label).label_style((FONT, 18)).axis_desc_style((FONT, 22)).draw()?;
+    chart
+        .configure_mesh()
+        .x_desc("time [s]")
+        .y_desc(label)
+        .max_light_lines(0)
+        .label_style((FONT, 18))
+        .axis_desc_style((FONT, 22))
+        .draw()?;
     let looks = COLOURS.iter().zip(WIDTHS).cycle();
     for (curve, (colour, width)) in curves.iter().zip(looks) {
         let style = colour.stroke_width(width);

@@ -56,11 +56,11 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Row>, Fault> {
     let mut reader =
         csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut records = reader.records();
-    check_header(records.next())?;
+    check_header(records.next(), text)?;
     let mut rows: Vec<Row> = Vec::new();
     for record in records {
         let record = record.map_err(|error| (1, format!("is not CSV: {error}")))?;
-        let row = row(&record, rows.last())?;
+        let row = row(&record, rows.last(), text)?;
         rows.push(row);
     }
     if rows.is_empty() {
@@ -70,7 +70,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Row>, Fault> {
     Ok(rows)
 }
 
-fn check_header(first: Option<csv::Result<csv::StringRecord>>) -> Result<(), Fault> {
+fn check_header(first: Option<csv::Result<csv::StringRecord>>, text: &str) -> Result<(), Fault> {
     let expected = HEADER.join(",");
     let Some(Ok(header)) = first else {
         return Err((1, format!("the file is empty; its first line must be {expected}")));
@@ -79,11 +79,11 @@ fn check_header(first: Option<csv::Result<csv::StringRecord>>) -> Result<(), Fau
         return Ok(());
     }
     let found: Vec<_> = header.iter().take(2 * HEADER.len()).collect();
-    Err((line(&header), format!("the header is {:?}, it must be {expected}", found.join(","))))
+    Err((line(&header, text), format!("the header is {:?}, it must be {expected}", found.join(","))))
 }
 
-fn row(record: &csv::StringRecord, before: Option<&Row>) -> Result<Row, Fault> {
-    let at = line(record);
+fn row(record: &csv::StringRecord, before: Option<&Row>, text: &str) -> Result<Row, Fault> {
+    let at = line(record, text);
     if record.len() != HEADER.len() {
         return Err((at, format!("{} columns, it must be {}: {}", record.len(), HEADER.len(), HEADER.join(","))));
     }
@@ -140,8 +140,12 @@ fn refusal(column: &str, value: &str, rule: impl Display) -> String {
     format!("column {column} = {shown:?}: {rule}")
 }
 
-fn line(record: &csv::StringRecord) -> u64 {
-    record.position().map_or(1, csv::Position::line)
+/// Line on which a record begins. The reader's own position is before the blank lines that it skipped.
+fn line(record: &csv::StringRecord, text: &str) -> u64 {
+    let Some(position) = record.position() else { return 1 };
+    let rest = text.as_bytes().get(position.byte() as usize..).unwrap_or_default();
+    let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() + blank.filter(|&&byte| byte == b'\n').count() as u64
 }
 
 fn set_intervals(rows: &mut [Row]) {

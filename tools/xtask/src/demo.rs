@@ -8,8 +8,13 @@ use crate::run::{self, cargo, target};
 
 /// Builds the three programs in release and runs the demonstration, whose exit code this passes on.
 pub fn run(args: &[String]) -> Result<ExitCode> {
-    run::run(cargo().args(["build", "--release", "-p", "haptor", "-p", "haptor-host", "-p", "haptor-firmware-sim"]))?;
-    let haptor = target()?.join("release/haptor");
+    let target = target()?;
+    run::run(
+        cargo()
+            .args(["build", "--release", "-p", "haptor", "-p", "haptor-host", "-p", "haptor-firmware-sim", "--target-dir"])
+            .arg(&target),
+    )?;
+    let haptor = target.join("release/haptor");
     let status = Command::new(&haptor).arg("demo").args(args).status();
     let status = status.with_context(|| format!("{} cannot be started", haptor.display()))?;
     // 255 for an end by a signal, which has no code

@@ -12,8 +12,9 @@ use crate::run::{self, cargo, root, target};
 
 /// Checks every document; all that is wrong is said before it fails.
 pub fn check() -> Result<ExitCode> {
-    run::run(cargo().args(["build", "--quiet", "-p", "haptor"]))?;
-    let haptor = target()?.join("debug/haptor");
+    let target = target()?;
+    run::run(cargo().args(["build", "--quiet", "-p", "haptor", "--target-dir"]).arg(&target))?;
+    let haptor = target.join("debug/haptor");
     let documents = documents()?;
     let mut wrong = Vec::new();
     for path in &documents {

@@ -1,0 +1,37 @@
+//! The programs under test. A test crate does not get the other crates' binaries from cargo, so they are built here, once, into
+//! the same folder and profile as the tests; a program that does not build fails the test.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// The repository's root.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests lie in the repository")
+}
+
+/// A command that runs the tool `haptor` in the repository's root.
+pub fn haptor() -> assert_cmd::Command {
+    static TOOL: OnceLock<PathBuf> = OnceLock::new();
+    let mut command = assert_cmd::Command::new(TOOL.get_or_init(|| built("haptor")));
+    command.current_dir(root());
+    command
+}
+
+/// Builds a program and yields its path.
+pub fn built(package: &str) -> PathBuf {
+    // target/PROFILE/deps/it-HASH
+    let test = std::env::current_exe().expect("a test knows its path");
+    let profile = test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps");
+    let target = profile.parent().expect("a profile lies in a target folder");
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    cargo.current_dir(root()).args(["build", "--quiet", "--package", package, "--target-dir"]).arg(target);
+    if profile.ends_with("release") {
+        cargo.arg("--release");
+    }
+    let status = cargo.status().expect("cargo can be started");
+    assert!(status.success(), "{package} does not build");
+    let program = profile.join(package);
+    assert!(program.is_file(), "{} is missing after its build", program.display());
+    program
+}
