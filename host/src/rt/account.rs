@@ -41,6 +41,8 @@ pub struct Account {
     news: Producer<FromHost>,
     dropped: u64,
     progress_due_ns: u64,
+    /// A fault latched in the tick that is not booked yet.
+    fault: Option<FaultRecord>,
 }
 
 impl Account {
@@ -60,6 +62,7 @@ impl Account {
             news,
             dropped: 0,
             progress_due_ns: 0,
+            fault: None,
         };
         (account, Readers { records: records_out, news: news_out })
     }
@@ -105,8 +108,14 @@ impl Account {
         }));
     }
 
-    /// A fault has latched: it is told, recorded, and the black box handed over.
+    /// A fault has latched. [`Self::settle`] passes it on, once its own tick is in the black box.
     pub fn fault(&mut self, fault: FaultRecord) {
+        self.fault.get_or_insert(fault);
+    }
+
+    /// Passes a fault of this tick on: it is told, recorded, and the black box handed over.
+    pub fn settle(&mut self) {
+        let Some(fault) = self.fault.take() else { return };
         self.tell(FromHost::Fault(fault));
         self.keep(Record::Fault(fault));
         self.black_box.hand_over(fault);

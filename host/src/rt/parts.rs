@@ -208,9 +208,15 @@ impl<C: Clock> Control<'_, C> {
         }
     }
 
-    /// Books the tick.
+    /// Books the tick, and the fault that latched in it.
     pub(super) fn close(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot) {
-        let Some((first, start_ns)) = self.memory.session else { return };
+        if let Some((first, start_ns)) = self.memory.session {
+            self.book(wrench, slot, first, start_ns);
+        }
+        self.account.settle();
+    }
+
+    fn book(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot, first: u64, start_ns: u64) {
         let now_ns = self.clock.now_ns();
         let Memory { record, sent, .. } = &mut self.memory;
         let asked_to_send = self.handshake.is_running();

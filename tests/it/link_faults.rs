@@ -1,0 +1,150 @@
+//! Fault drills: whatever happens to cable and device, the wrench reaches zero in the stated ticks, the fault is named and latched,
+//! nothing hangs, and forces come back only from a small one.
+
+use haptor_host::link::wrap::{FaultLink, Plan};
+use haptor_host::rt::blackbox::BLACKBOX_TICKS;
+use haptor_host::rt::flags;
+use haptor_host::rt::stale::{FADE_TICKS, HOLD_TICKS, SMALL_FORCE};
+use haptor_wire::{HostFault, Mode};
+
+use crate::host_rig::{Rig, length};
+
+const ZERO_AFTER: u32 = HOLD_TICKS + FADE_TICKS;
+
+/// Ticks that a stall or noise lasts: the 50 ms of the drills.
+const DRILL_US: u64 = 50_000;
+
+/// A hand that presses: its force on the device is well above small.
+fn pressing() -> Rig {
+    let mut rig = Rig::new("press", None);
+    assert!(rig.until(2_000, |rig| rig.ticks.last().is_some_and(|t| length(t.force) > 3.0)), "the hand presses");
+    assert!(rig.faults.is_empty());
+    rig
+}
+
+fn cut(rig: &mut Rig) {
+    rig.far().cut = true;
+}
+
+fn stall(rig: &mut Rig) {
+    rig.far().stall(DRILL_US);
+}
+
+fn noise(rig: &mut Rig) {
+    rig.far().drown(DRILL_US);
+}
+
+fn restart(rig: &mut Rig) {
+    rig.far().restart();
+}
+
+fn kick(rig: &mut Rig) {
+    rig.far().device.kick([0.0, 0.0, 2.0]);
+}
+
+/// What to do to a pressing session, what it is called, within how many ticks the wrench is zero.
+const DRILLS: [(&str, fn(&mut Rig), HostFault, u32); 5] = [
+    ("cut", cut, HostFault::LinkLost, 2),
+    ("stall", stall, HostFault::Stale, ZERO_AFTER + 1),
+    ("noise", noise, HostFault::Garbage, ZERO_AFTER + 1),
+    ("restart", restart, HostFault::DeviceRestarted, 3),
+    ("kick", kick, HostFault::DeviceOverSpeed, 3),
+];
+
+#[test]
+fn every_drill_ends_at_zero_in_the_stated_ticks_with_its_name() {
+    for (name, drill, expected, within) in DRILLS {
+        let mut rig = pressing();
+        drill(&mut rig);
+        let done = rig.until(within, |rig| length(rig.last().force) == 0.0 && length(rig.last().torque) == 0.0);
+        assert!(done, "{name}: {} N after {within} ticks", length(rig.last().force));
+        assert_eq!(rig.faults.len(), 1, "{name}: {:?}", rig.faults);
+        let fault = rig.faults[0];
+        assert_eq!((fault.cause, fault.tick), (expected, rig.last().tick), "{name}");
+        assert!(fault.after_ticks <= ZERO_AFTER);
+        assert_eq!(rig.summary().fault, Some(expected), "{name}");
+    }
+}
+
+#[test]
+fn after_a_fault_the_wrench_stays_zero_until_the_hand_has_come_out() {
+    for (name, drill, ..) in DRILLS {
+        let mut rig = pressing();
+        drill(&mut rig);
+        assert!(rig.until(ZERO_AFTER + 1, |rig| !rig.faults.is_empty()), "{name}");
+        if name == "cut" {
+            assert!(rig.until(500, |rig| rig.last().tick > 900), "{name}: the host goes on without a link");
+            rig.reopen();
+        }
+        let from = rig.ticks.len();
+        let again = rig.until(8_000, |rig| rig.last().flags & flags::CLOSED == 0 && length(rig.last().force) > 3.0);
+        assert!(again, "{name}: forces never came back");
+        let closed: Vec<_> = rig.ticks[from..].iter().take_while(|t| t.flags & flags::CLOSED != 0).collect();
+        assert!(closed.iter().all(|t| length(t.force) == 0.0), "{name}");
+        let opened = rig.ticks[from..].iter().find(|t| t.flags & flags::CLOSED == 0).expect("it opened");
+        assert!(length(opened.contact_force) < SMALL_FORCE, "{name}: opened at {} N", length(opened.contact_force));
+        assert_eq!(rig.far().device.mode(), Mode::Force, "{name}");
+        assert_eq!(rig.summary().fault, Some(rig.faults[0].cause), "{name}: the first fault stays latched");
+        assert!(rig.ticks.windows(2).all(|t| t[1].tick == t[0].tick + 1), "{name}: a tick is missing");
+    }
+}
+
+#[test]
+fn between_the_last_pose_and_zero_the_wrench_is_held_and_then_only_falls() {
+    let mut rig = pressing();
+    stall(&mut rig);
+    let held = rig.last().force;
+    rig.until(ZERO_AFTER + 1, |rig| !rig.faults.is_empty());
+    let stale: Vec<f32> = rig.ticks.iter().filter(|t| t.flags & flags::NO_POSE != 0).map(|t| length(t.force)).collect();
+    let tail = &stale[stale.len() - ZERO_AFTER as usize..];
+    assert!(tail[..HOLD_TICKS as usize].windows(2).all(|f| f[0] == f[1]));
+    assert!((tail[0] - length(held)).abs() < 0.5, "{} N held, {} N before", tail[0], length(held));
+    assert!(tail[HOLD_TICKS as usize - 1..].windows(2).all(|f| f[1] < f[0]), "{tail:?}");
+    assert_eq!(tail.last(), Some(&0.0));
+}
+
+#[test]
+fn the_black_box_ends_with_the_fault_s_own_tick() {
+    let mut rig = pressing();
+    assert!(rig.dumps.take().is_none());
+    stall(&mut rig);
+    rig.until(ZERO_AFTER + 1, |rig| !rig.faults.is_empty());
+    let dump = rig.dumps.take().expect("a dump");
+    assert_eq!(dump.fault, rig.faults[0]);
+    let kept: Vec<_> = dump.ring.iter().collect();
+    assert!(kept.len() <= BLACKBOX_TICKS);
+    assert_eq!(kept.last().map(|t| t.tick), Some(dump.fault.tick));
+    assert!(kept.iter().any(|t| length(t.force) > 3.0), "the press is in it");
+}
+
+#[test]
+fn a_poor_line_costs_frames_and_not_the_session() {
+    let plan = Plan { drop: 100, delay: 50, corrupt: 50, duplicate: 50, garbage: 20 };
+    for seed in 1..=5 {
+        let mut rig = Rig::with_link("press-twist-slide", Some(6_000), |cable| Box::new(FaultLink::new(cable, plan, seed)));
+        while !rig.control.is_over() {
+            rig.tick();
+        }
+        let s = rig.summary();
+        assert_eq!((s.fault, s.ticks), (None, 6_000), "seed {seed}");
+        assert!(s.lost > 500 && s.rejected > 200 && s.out_of_order > 100, "seed {seed}: {s:?}");
+        assert!(s.peak_force > 3.0, "seed {seed}");
+        for t in &rig.ticks {
+            assert!(t.force.iter().chain(&t.torque).all(|x| x.is_finite()) && length(t.force) <= 8.5 * 1.0001, "{t:?}");
+        }
+    }
+}
+
+#[test]
+fn a_hopeless_line_ends_at_zero_and_does_not_hang() {
+    for (plan, expected) in [
+        (Plan { drop: 1000, ..Plan::default() }, HostFault::Stale),
+        (Plan { corrupt: 1000, ..Plan::default() }, HostFault::Garbage),
+    ] {
+        let mut rig = Rig::with_link("press", Some(6_000), |cable| Box::new(FaultLink::new(cable, plan, 3)));
+        while !rig.control.is_over() {
+            rig.tick();
+        }
+        assert_eq!((rig.summary().fault, rig.summary().ticks), (Some(expected), 0));
+    }
+}
