@@ -45,6 +45,18 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32) -> Compliance 
     }
 }
 
+/// Compliance along the normal only: none on top, where the cube's tables show that the finite body hardly matters.
+pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
+    match model.compliance {
+        Some(given) => given.normal,
+        None if n.z >= LEVEL => 0.0,
+        None => compliance(model, p_wc, n, 0.0).normal,
+    }
+}
+
+/// Above this z a normal counts as straight up; the sideways part is then below 0.1 %.
+const LEVEL: f32 = 0.999_999_5;
+
 fn box_beam(size: Vec3, length: f32) -> Beam {
     let (wide, thin) = (max(size.x, size.y), min(size.x, size.y));
     let slender = thin / wide;

@@ -9,7 +9,7 @@ use crate::geometry::deepest::{Deepest, PartFrame};
 use crate::geometry::gap::deepest_meaningful;
 use crate::geometry::slice::{Slice, slice};
 use crate::geometry::support::reach;
-use crate::math::{PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
+use crate::math::{GAUSS_4, PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{FORCE_TABLE_LEN, ForceLaw};
 use crate::profile::FULLNESS_HERTZ;
@@ -125,8 +125,7 @@ impl Seat {
         let area = self.overlap_area(depth);
         let shrink = contact_over_slice(exponent(area, self.overlap_area(0.5 * depth)));
         let radius_at = |area: f32| shrink * root(area / PI);
-        let integral =
-            GAUSS_DEPTH.iter().fold(0.0, |sum, &(s, w)| sum + w * 2.0 * s * radius_at(self.overlap_area(depth * s * s)));
+        let integral = GAUSS_4.iter().fold(0.0, |sum, &(s, w)| sum + w * 2.0 * s * radius_at(self.overlap_area(depth * s * s)));
         let radius = radius_at(area);
         let load = 2.0 * contact_modulus * depth * integral;
         let fullness = if radius > 0.0 { integral / radius } else { FULLNESS_HERTZ };
@@ -146,10 +145,6 @@ const SLICE_STEPS: usize = 12;
 
 /// Exponent that stands for a flat punch: its footprint is a flat one's within 0.1 %.
 const LARGEST_EXPONENT: f32 = 1.0e4;
-
-/// Gauss rule on 0..1 for the square root of the depth share.
-const GAUSS_DEPTH: [(f32, f32); 4] =
-    [(0.069_431_84, 0.173_927_42), (0.330_009_48, 0.326_072_57), (0.669_990_5, 0.326_072_57), (0.930_568_16, 0.173_927_42)];
 
 /// a over the slice radius for f = A r^n: kappa^(-1/n), kappa = sqrt(pi) Gamma(n/2 + 1) / Gamma(n/2 + 1/2); 0.4 % at n = 1, less above.
 fn contact_over_slice(n: f32) -> f32 {

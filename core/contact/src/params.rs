@@ -118,6 +118,8 @@ pub struct Params {
     pub(crate) gravity: bool,
     pub(crate) guard: GuardSpec,
     pub(crate) layout: Layout,
+    /// Tells one set of parameters from another, so that a change is noticed while the probe holds still.
+    pub(crate) fingerprint: u32,
 }
 
 impl Params {
@@ -151,6 +153,7 @@ impl Params {
             gravity: spec.gravity,
             guard: spec.guard,
             layout: Layout::new(spec.samples),
+            fingerprint: fingerprint(spec, mu_s),
         })
     }
 
@@ -158,6 +161,23 @@ impl Params {
     pub fn tier(&self) -> Tier {
         self.tier
     }
+}
+
+/// FNV-1a over everything that changes a contact wrench.
+fn fingerprint(spec: &ParamsSpec, mu_s: f32) -> u32 {
+    let numbers = [mu_s, spec.friction_dynamic, spec.region_distance];
+    let choices =
+        [spec.tier as u32, spec.samples as u32, spec.max_regions as u32, spec.breakaway as u32, u32::from(spec.gravity)];
+    let law: [f32; FORCE_TABLE_LEN + 2] = core::array::from_fn(|i| match (spec.force_law, i) {
+        (ForceLaw::Hertz, _) => 0.0,
+        (ForceLaw::Cubic { k1, .. }, 0) => k1,
+        (ForceLaw::Cubic { k3, .. }, 1) => k3,
+        (ForceLaw::Cubic { .. }, _) => -1.0,
+        (ForceLaw::Table { step, .. }, 0) => step,
+        (ForceLaw::Table { force, .. }, i) => force[(i - 1).min(FORCE_TABLE_LEN - 1)],
+    });
+    let words = numbers.into_iter().chain(law).map(f32::to_bits).chain(choices);
+    words.flat_map(u32::to_le_bytes).fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 fn check_law(law: &ForceLaw) -> Result<(), Invalid> {

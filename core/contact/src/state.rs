@@ -6,6 +6,7 @@ use heapless::Vec;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::GuardState;
 use crate::patch::Patch;
+use crate::report::Flags;
 use crate::tier::bristle::Bristle;
 use crate::wrench::Wrench;
 
@@ -27,6 +28,10 @@ pub(crate) struct Memory {
     pub last_pose: Option<Pose<World, ProbeFrame>>,
     /// Time since it \[s\].
     pub since_last_pose: f32,
+    /// Fingerprint of the parameters under which the last tick had the pose of the one before.
+    pub settled_for: Option<u32>,
+    /// Flags of the last tick that was computed.
+    pub flags: Flags,
     /// Last contact wrench.
     pub contact: Wrench<World>,
     pub guard: GuardState,
@@ -46,6 +51,8 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
             memory: Memory {
                 last_pose: None,
                 since_last_pose: 0.0,
+                settled_for: None,
+                flags: Flags::CLEAN,
                 contact: Wrench::ZERO,
                 guard: GuardState::START,
                 next_serial: 0,

@@ -51,17 +51,27 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     let Some(now) = now else { return refused(params, memory, patches, input.dt, flags) };
     let first = memory.last_pose.is_none();
 
+    if is_still(params, memory, &now) {
+        return finish(params, memory, patches, memory.contact, input.dt, memory.flags);
+    }
     let left_out = detect::detect(model, &now, &mut scratch.contacts);
     flags |= count_left_out(memory, left_out);
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
     flags |= force::press(model, params, &scratch.contacts, patches);
     flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now);
     memory.contact = wrench::total(model, params, patches, &now);
-    memory.last_pose = Some(now);
+    memory.settled_for =
+        if memory.last_pose == Some(now) && !flags.contains(Flags::BIRTH_WAITS) { Some(params.fingerprint) } else { None };
+    (memory.last_pose, memory.flags) = (Some(now), flags);
     if first && !patches.is_empty() {
         memory.guard.ramp = 0.0;
     }
     finish(params, memory, patches, memory.contact, input.dt, flags)
+}
+
+/// A quasi-static contact whose pose did not change for two ticks stays as it is, to the bit, as long as the parameters do.
+fn is_still(params: &Params, memory: &Memory, now: &Pose<World, ProbeFrame>) -> bool {
+    memory.settled_for == Some(params.fingerprint) && memory.last_pose == Some(*now)
 }
 
 /// Checks the pose and normalises it; `None` keeps the last good state.

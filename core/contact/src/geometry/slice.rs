@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::geometry::support::{reach, support};
-use crate::math::{PI, asin, clamp, cos, max, min, perpendicular, root, sin};
+use crate::math::{GAUSS_4, PI, asin, clamp, cos, max, min, perpendicular, root, sin};
 use crate::model::ProbeShape;
 
 /// Area and centroid of a slice.
@@ -145,10 +145,6 @@ fn of_cone_cut(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
 fn crossing(level: f32, slope: f32) -> f32 {
     if slope.abs() > 1.0e-9 { level / slope } else { f32::MAX }
 }
-
-/// Abscissae and weights of the 4-point Gauss rule on 0..1.
-const GAUSS_4: [(f32, f32); 4] =
-    [(0.069_431_84, 0.173_927_42), (0.330_009_48, 0.326_072_57), (0.669_990_5, 0.326_072_57), (0.930_568_16, 0.173_927_42)];
 
 fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let tilt = Tilt::of(d);

@@ -5,7 +5,7 @@
 
 pub mod table;
 
-use crate::math::{clamp, floor, root};
+use crate::math::{clamp, root};
 use table::{CONE, HERTZ, INTERVALS, PUNCH, Row, Table};
 
 /// Fullness of a cone.
@@ -57,32 +57,31 @@ impl Profile {
 
     /// Full-slip torque over mu P a: pi/6 (cone), 3 pi/16 (Hertz), pi/4 (flat punch).
     pub fn full_slip_torque(self) -> f32 {
-        self.at(1.0).torque
+        self.row(1.0)[3]
     }
 
     /// Figures at r = `q` a, q in 0..=1.
     pub fn at(self, q: f32) -> At {
-        let place = INTERVALS as f32 * root(1.0 - q * q);
-        let row = floor(place);
-        let index = if row >= INTERVALS as f32 { INTERVALS - 1 } else { row as usize };
-        let blend = place - index as f32;
-        let row = self.blended(|table| mix(table[index], table[index + 1], blend));
-        let [drag_softness, twist_softness, load, torque, drag_stick, twist_stick] = row;
+        let [drag_softness, twist_softness, load, torque, drag_stick, twist_stick] = self.row(q);
         At { drag_softness, twist_softness, load, torque, drag_stick, twist_stick }
     }
 
-    fn blended(self, read: impl Fn(&Table) -> Row) -> Row {
-        if self.fullness <= FULLNESS_HERTZ {
-            let blend = (self.fullness - FULLNESS_CONE) / (FULLNESS_HERTZ - FULLNESS_CONE);
-            if blend >= 1.0 { read(&HERTZ) } else { mix(read(&CONE), read(&HERTZ), blend) }
+    fn row(self, q: f32) -> Row {
+        let place = INTERVALS as f32 * root(1.0 - q * q);
+        let index = (place as usize).min(INTERVALS - 1);
+        let blend = place - index as f32;
+        let read = |table: &Table| mix(&table[index], &table[index + 1], blend);
+        if self.fullness == FULLNESS_HERTZ {
+            read(&HERTZ)
+        } else if self.fullness < FULLNESS_HERTZ {
+            mix(&read(&CONE), &read(&HERTZ), (self.fullness - FULLNESS_CONE) / (FULLNESS_HERTZ - FULLNESS_CONE))
         } else {
-            let blend = (self.fullness - FULLNESS_HERTZ) / (FULLNESS_PUNCH - FULLNESS_HERTZ);
-            mix(read(&HERTZ), read(&PUNCH), blend)
+            mix(&read(&HERTZ), &read(&PUNCH), (self.fullness - FULLNESS_HERTZ) / (FULLNESS_PUNCH - FULLNESS_HERTZ))
         }
     }
 }
 
-fn mix(a: Row, b: Row, blend: f32) -> Row {
+fn mix(a: &Row, b: &Row, blend: f32) -> Row {
     core::array::from_fn(|i| a[i] + (b[i] - a[i]) * blend)
 }
 

@@ -1,7 +1,7 @@
 //! Stage 3: normal force, contact radius and pressure profile of every patch.
 //!
-//! A patch feels the surface as the other patches displace it (equation 4.1 of theory.md). Patches are taken in birth order, each
-//! with the latest loads of the others; the first pass is the paper's one-way order, the rest make the coupling mutual.
+//! A patch feels the surface as the other patches displace it (equation 4.1 of theory.md). Patches are taken in birth order, each with
+//! the latest loads of the others, starting from those of the previous tick; the paper's one-way order is the first pass of a newborn.
 
 use crate::body;
 use crate::footprint::{Footprint, law_load};
@@ -13,15 +13,12 @@ use crate::report::Flags;
 use crate::scratch::Contact;
 use crate::stage::deform::dent;
 
-/// Passes over the patches. Each shrinks the coupling's error by the share a neighbour's dent has of the depth, at most a third
-/// for separate patches: three passes leave 1 %.
-const PASSES: usize = 3;
+/// Passes over the patches in one tick. Each shrinks the coupling's error by the share a neighbour's dent has of the depth, at most a
+/// third for separate patches; the start is at most one tick old.
+const PASSES: usize = 2;
 
 /// Sets footprint and body compliance of every patch.
 pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch]) -> Flags {
-    for patch in patches.iter_mut() {
-        patch.footprint = Footprint::NONE;
-    }
     let passes = if patches.len() > 1 { PASSES } else { 1 };
     for _ in 0..passes {
         for i in 0..patches.len() {
@@ -63,7 +60,7 @@ fn footprint(model: &Model<'_>, params: &Params, contacts: &[Contact], patch: &P
         }
         footprint
     };
-    in_series(at_depth, free, body::compliance(model, patch.centre, patch.normal, 0.0).normal)
+    in_series(at_depth, free, body::normal(model, patch.centre, patch.normal))
 }
 
 /// Halvings that share the depth between contact and body: 2^-20 of the depth.

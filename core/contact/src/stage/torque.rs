@@ -1,12 +1,13 @@
 //! Stage 4: tangential force and torsion of every patch, by the tier.
 
+use glam::Vec3;
+
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::model::Model;
 use crate::params::{Params, Tier};
 use crate::patch::{Grip, Patch};
 use crate::report::Flags;
-use crate::stage::deform::body_drag;
-use crate::tier::bristle::{self, Bristle};
+use crate::tier::bristle::{self, AROUND, Bristle, Layout};
 use crate::tier::{Hold, paper, point};
 
 /// Sets the grip of every patch. The bristles of a patch are the `per_slot` ones of its slot.
@@ -25,21 +26,31 @@ pub fn hold(
     if params.tier == Tier::Paper {
         return paper::hold(model, params, patches, x_wp);
     }
-    for i in 0..patches.len() {
-        if is_at_rest(&patches[i]) {
-            continue;
-        }
-        let ridden = patches[i].to_patch(body_drag(patches, i));
-        let hold = Hold::new(model, params, &patches[i], ridden);
-        let patch = &mut patches[i];
+    let (layout, flags) = fitting(&params.layout, per_slot);
+    // what all patches drag along; each rides on the share of the others (shear and bending of the body are common to all)
+    let mut dragged = patches.iter().fold(Vec3::ZERO, |sum, patch| sum + patch.to_world(patch.grip.force));
+    for patch in patches.iter_mut().filter(|patch| !is_at_rest(patch)) {
+        dragged -= patch.to_world(patch.grip.force);
+        let ridden = patch.to_patch(dragged) * patch.body.drag;
+        let hold = Hold::new(model, params, patch, ridden);
         if params.tier == Tier::Point {
             point::advance(&hold, patch);
         } else {
             let start = usize::from(patch.slot) * per_slot;
-            bristle::advance(&hold, params, patch, &mut bristles[start..start + per_slot]);
+            bristle::advance(&hold, &layout, patch, &mut bristles[start..start + per_slot]);
         }
+        dragged += patch.to_world(patch.grip.force);
     }
-    Flags::CLEAN
+    flags
+}
+
+/// The layout as far as the state has room for it.
+fn fitting(layout: &Layout, per_slot: usize) -> (Layout, Flags) {
+    let room = per_slot / AROUND;
+    if layout.rings <= room {
+        return (*layout, Flags::CLEAN);
+    }
+    (layout.at_most(room), Flags::TIER_LOWERED)
 }
 
 /// Without friction there is no stick state.

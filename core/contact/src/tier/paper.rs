@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::math::{PI, cos, direction, root, sin};
+use crate::math::{PI, direction, root};
 use crate::model::{Model, ObjectShape};
 use crate::params::Params;
 use crate::patch::{Grip, Patch};
@@ -149,8 +149,8 @@ struct Samples<'s, 'm> {
     origin: Vec3,
 }
 
-/// Turn between neighbours of the sunflower: the golden angle \[rad\].
-const GOLDEN_ANGLE: f32 = 2.399_963_2;
+/// Turn between neighbours of the sunflower, the golden angle 2.39996 rad, as the unit complex number (cos, sin).
+const GOLDEN: Vec2 = Vec2::new(-0.737_368_9, 0.675_490_3);
 
 impl Samples<'_, '_> {
     fn count(&self) -> usize {
@@ -170,12 +170,21 @@ impl Samples<'_, '_> {
         self.params.mu_d * self.patch.footprint.load / self.count() as f32
     }
 
-    /// Sample i: distance r_i from the axis, and l_i to the fixed point along it.
-    fn place(&self, i: usize) -> (f32, f32) {
+    /// For each sample its distance r_i from the axis, and l_i to the fixed point along it.
+    fn places(&self) -> impl Iterator<Item = (f32, f32)> {
+        let mut around = Vec2::X;
+        (0..self.count()).map(move |i| {
+            let place = self.place(i, around);
+            around = GOLDEN.rotate(around);
+            place
+        })
+    }
+
+    /// Sample i, which stands in direction `around` on the disc.
+    fn place(&self, i: usize, around: Vec2) -> (f32, f32) {
         let a = self.patch.footprint.radius;
         let radius = a * root((i as f32 + 0.5) / self.count() as f32);
-        let angle = GOLDEN_ANGLE * i as f32;
-        let p = self.patch.centre + self.patch.to_world(Vec2::new(cos(angle), sin(angle)) * radius);
+        let p = self.patch.centre + self.patch.to_world(around * radius);
         let arm = p - self.origin;
         let across = arm - self.axis * arm.dot(self.axis);
         let l = match self.model.object {
@@ -190,8 +199,7 @@ impl Samples<'_, '_> {
         let (g, ds) = (self.model.material.shear_modulus(), self.ds());
         let (f_max, f_d) = (self.f_max(), self.f_d());
         let (mut torque, mut stuck) = (0.0, 0);
-        for i in 0..self.count() {
-            let (r, l) = self.place(i);
+        for (r, l) in self.places() {
             let stress = shear_stress(r, g, phi / l);
             let (force, sticks) = if self.patch.paper.sliding {
                 let r_md = stick_radius(f_d, g, phi / l, ds);
@@ -207,7 +215,7 @@ impl Samples<'_, '_> {
 
     /// Equation (14): every small region slides.
     fn kinetic_torque(&self) -> f32 {
-        (0..self.count()).fold(0.0, |sum, i| sum + torque_of_sample(self.place(i).0, self.f_d()))
+        self.places().fold(0.0, |sum, (r, _)| sum + torque_of_sample(r, self.f_d()))
     }
 }
 

@@ -15,7 +15,6 @@ use glam::Vec2;
 
 use crate::limits::MAX_BRISTLES;
 use crate::math::{cos, sin};
-use crate::params::Params;
 use crate::patch::{Grip, Patch, Shift};
 use crate::profile::{COMMON_DRAG, COMMON_TWIST};
 use crate::tier::{Hold, rolled_away};
@@ -60,6 +59,11 @@ impl Layout {
         Self { rings, directions }
     }
 
+    /// The same with at most `rings` rings.
+    pub fn at_most(&self, rings: usize) -> Self {
+        Self { rings: self.rings.min(rings), ..*self }
+    }
+
     /// Rotation from the place of ring `from` to that of ring `to`, as the unit complex number (cos, sin).
     pub fn turn(&self, from: usize, to: usize) -> Vec2 {
         let (a, b) = (self.directions[from], self.directions[to]);
@@ -73,8 +77,7 @@ impl Layout {
 }
 
 /// Advances the patch by its motion of this tick.
-pub fn advance(hold: &Hold, params: &Params, patch: &mut Patch, bristles: &mut [Bristle]) {
-    let layout = &params.layout;
+pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [Bristle]) {
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(hold, patch, bristles);
     }

@@ -24,39 +24,38 @@ pub struct Ring {
 /// The rings inside the contact.
 #[derive(Clone, Debug)]
 pub struct Rings {
-    rings: [Ring; MAX_RINGS],
-    len: usize,
+    rings: heapless::Vec<Ring, MAX_RINGS>,
 }
 
 impl Rings {
     /// Rings of `grid` under the load of `hold`.
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
-        let mut rings = [Ring::default(); MAX_RINGS];
-        let (mut inner, mut len) = (At::default(), 0);
-        for (k, ring) in rings.iter_mut().enumerate().take(layout.rings) {
+        let mut rings = heapless::Vec::new();
+        let mut inner = At::default();
+        for k in 0..layout.rings {
             if grid.width * k as f32 >= hold.radius {
                 break;
             }
             let outer = hold.profile.at(min(grid.width * (k + 1) as f32 / hold.radius, 1.0));
-            *ring = between(hold, &inner, &outer);
-            (inner, len) = (outer, k + 1);
+            let _ = rings.push(between(hold, &inner, &outer));
+            inner = outer;
         }
-        Self { rings, len }
+        Self { rings }
     }
 
     /// Rings in contact.
     pub fn len(&self) -> usize {
-        self.len
+        self.rings.len()
     }
 
     /// True when no ring is in contact.
     pub fn is_empty(&self) -> bool {
-        self.len == 0
+        self.rings.is_empty()
     }
 
     /// The rings, innermost first.
     pub fn as_slice(&self) -> &[Ring] {
-        &self.rings[..self.len]
+        &self.rings
     }
 
     /// Resultant of the bristles; `stick` is left at 0.

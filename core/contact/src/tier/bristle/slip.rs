@@ -52,16 +52,21 @@ pub fn shift(
     wanted: Shift,
     before: &Grip,
 ) -> Answer {
-    let mut stiffness = Stiffness::all_stuck(layout, rings);
-    let (mut felt, mut rest) = (Shift::default(), wanted);
-    for _ in 0..PASSES {
-        felt = felt + stiffness.solve(common, rest);
-        let trial = probe(hold, layout, rings, bristles, felt);
-        let taken = common.yields(trial.force - before.force, trial.torque - before.torque);
-        rest = Shift { drag: wanted.drag - felt.drag - taken.drag, twist: wanted.twist - felt.twist - taken.twist };
-        stiffness = trial.stiffness;
+    let stuck = Stiffness::all_stuck(rings);
+    let mut felt = stuck.solve(common, wanted);
+    for _ in 1..PASSES {
+        let trial = probe(hold, layout, rings, bristles, felt, stuck);
+        let rest = rest_of(common, wanted, felt, trial.force - before.force, trial.torque - before.torque);
+        felt = felt + trial.stiffness.solve(common, rest);
     }
-    Answer { grip: settle(hold, layout, rings, bristles, felt), rest }
+    let grip = settle(hold, layout, rings, bristles, felt);
+    Answer { grip, rest: rest_of(common, wanted, felt, grip.force - before.force, grip.torque - before.torque) }
+}
+
+/// What a shift still lacks once the bristles felt `felt` and all together yielded to their change of grip.
+fn rest_of(common: &Common, wanted: Shift, felt: Shift, force: Vec2, torque: f32) -> Shift {
+    let yielded = common.yields(force, torque);
+    Shift { drag: wanted.drag - felt.drag - yielded.drag, twist: wanted.twist - felt.twist - yielded.twist }
 }
 
 /// Resultant and tangent stiffness at a trial shift.
@@ -72,15 +77,17 @@ struct Trial {
 }
 
 /// What the bristles would hold if the patch shifted by `felt`; changes nothing.
-fn probe(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], felt: Shift) -> Trial {
-    let mut trial = Trial { force: Vec2::ZERO, torque: 0.0, stiffness: Stiffness::default() };
+fn probe(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], felt: Shift, stuck: Stiffness) -> Trial {
+    let mut trial = Trial { force: Vec2::ZERO, torque: 0.0, stiffness: stuck };
     for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_exact(AROUND)).enumerate() {
         for (j, cell) in cells.iter().enumerate() {
             let radial = layout.direction(k, j);
             let moved = Moved::new(hold, ring, radial, cell, felt);
             trial.force += moved.force;
             trial.torque += ring.arm * radial.perp_dot(moved.force);
-            trial.stiffness.add(ring, radial, moved.slides, moved.scale, moved.force);
+            if moved.slides {
+                trial.stiffness.soften(ring, radial, moved.scale, moved.along);
+            }
         }
     }
     trial
@@ -125,8 +132,9 @@ struct Moved {
     slides: bool,
     /// Cap over the size of the elastic trial; 1 while it sticks.
     scale: f32,
-    /// Size of the elastic trial \[N\].
+    /// Size of the elastic trial \[N\], and the unit vector along it, of a bristle that slides.
     trial: f32,
+    along: Vec2,
 }
 
 impl Moved {
@@ -135,13 +143,13 @@ impl Moved {
         let size2 = trial.length_squared();
         let cap = friction(hold, ring, cell.slipped) * ring.load;
         if size2 <= cap * cap {
-            return Self { force: trial, slides: false, scale: 1.0, trial: 0.0 };
+            return Self { force: trial, slides: false, scale: 1.0, trial: 0.0, along: Vec2::ZERO };
         }
         let size = root(size2);
         // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
         let cap = if hold.sharp { hold.mu_d * ring.load } else { cap };
-        let scale = cap / size;
-        Self { force: trial * scale, slides: true, scale, trial: size }
+        let along = trial * (1.0 / size);
+        Self { force: along * cap, slides: true, scale: cap / size, trial: size, along }
     }
 
     /// Distance slipped since stick was left: what the cap cut off, over the stiffness. Back to 0 when it sticks below the dynamic cap.

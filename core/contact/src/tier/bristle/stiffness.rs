@@ -3,45 +3,56 @@
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::patch::Shift;
+use crate::tier::bristle::AROUND;
 use crate::tier::bristle::ring::{Ring, Rings};
 use crate::tier::bristle::slip::Common;
-use crate::tier::bristle::{AROUND, Layout};
 
-/// The matrix K; rows Qx, Qy, T; columns x, y, phi.
+/// The matrix K; rows Qx, Qy, T; columns x, y, phi. Drag against drag is symmetric, drag against twist is not.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stiffness(Mat3);
-
-impl Default for Stiffness {
-    fn default() -> Self {
-        Self(Mat3::ZERO)
-    }
+pub struct Stiffness {
+    xx: f32,
+    xy: f32,
+    yy: f32,
+    /// Force over twist \[N/rad\].
+    force_twist: Vec2,
+    /// Torque over drag \[N m/m\].
+    torque_drag: Vec2,
+    /// Torque over twist \[N m/rad\].
+    twist: f32,
 }
 
 impl Stiffness {
     /// Every bristle sticks: the pairs cancel every mixed term.
-    pub fn all_stuck(layout: &Layout, rings: &Rings) -> Self {
-        debug_assert!(rings.len() <= layout.rings);
+    pub fn all_stuck(rings: &Rings) -> Self {
         let (mut drag, mut twist) = (0.0, 0.0);
         for ring in rings.as_slice() {
             drag += ring.drag * AROUND as f32;
             twist += ring.twist * ring.arm * AROUND as f32;
         }
-        Self(Mat3::from_diagonal(Vec3::new(drag, drag, twist)))
+        Self { xx: drag, xy: 0.0, yy: drag, force_twist: Vec2::ZERO, torque_drag: Vec2::ZERO, twist }
     }
 
-    /// Adds one bristle: k Pi, with Pi = 1 while it sticks and (cap/|trial|)(1 - n n^T) while it slides along n.
-    pub fn add(&mut self, ring: &Ring, radial: Vec2, slides: bool, scale: f32, force: Vec2) {
+    /// Takes away what one bristle loses by sliding along the unit vector `n`: k (1 - Pi) with Pi = scale (1 - n n^T), scale = cap/|trial|.
+    pub fn soften(&mut self, ring: &Ring, radial: Vec2, scale: f32, n: Vec2) {
         let hoop = radial.perp();
-        let pull = |v: Vec2| if slides { across(v, force) * scale } else { v };
-        let (x, y, turn) = (pull(Vec2::X) * ring.drag, pull(Vec2::Y) * ring.drag, pull(hoop) * ring.twist);
-        let row = |v: Vec2| Vec3::new(v.x, v.y, ring.arm * hoop.dot(v));
-        self.0 += Mat3::from_cols(row(x), row(y), row(turn));
+        let lost_hoop = hoop * (1.0 - scale) + n * (scale * n.dot(hoop));
+        self.xx -= ring.drag * (1.0 - scale + scale * n.x * n.x);
+        self.xy -= ring.drag * scale * n.x * n.y;
+        self.yy -= ring.drag * (1.0 - scale + scale * n.y * n.y);
+        self.force_twist -= lost_hoop * ring.twist;
+        self.torque_drag -= lost_hoop * (ring.arm * ring.drag);
+        self.twist -= ring.arm * ring.twist * hoop.dot(lost_hoop);
+    }
+
+    fn matrix(&self) -> Mat3 {
+        let (a, b) = (self.force_twist, self.torque_drag);
+        Mat3::from_cols(Vec3::new(self.xx, self.xy, b.x), Vec3::new(self.xy, self.yy, b.y), Vec3::new(a.x, a.y, self.twist))
     }
 
     /// Solves (1 + C K) d = rest. Zero where the matrix has no inverse, which a finite K >= 0 and C >= 0 do not reach.
     pub fn solve(&self, common: &Common, rest: Shift) -> Shift {
         let scale = Mat3::from_diagonal(Vec3::new(common.drag, common.drag, common.twist));
-        let matrix = Mat3::IDENTITY + scale * self.0;
+        let matrix = Mat3::IDENTITY + scale * self.matrix();
         let determinant = matrix.determinant();
         if !determinant.is_finite() || determinant.abs() < f32::MIN_POSITIVE {
             return Shift::default();
@@ -49,10 +60,4 @@ impl Stiffness {
         let d = matrix.inverse() * rest.drag.extend(rest.twist);
         Shift { drag: d.truncate(), twist: d.z }
     }
-}
-
-/// Part of `v` at right angles to `along`.
-fn across(v: Vec2, along: Vec2) -> Vec2 {
-    let size2 = along.length_squared();
-    if size2 > 0.0 { v - along * (v.dot(along) / size2) } else { v }
 }

@@ -1,6 +1,6 @@
 //! The two monotone curves of tier `point`: friction force over drag, friction torque over twist (theory.md, equations 6.1 to 6.6).
 
-use crate::math::{clamp, exp, max, min, pow, root};
+use crate::math::{cbrt, clamp, exp, max, min, pow, root};
 use crate::profile::{FULLNESS_CONE, FULLNESS_HERTZ, FULLNESS_PUNCH};
 use crate::tier::Hold;
 
@@ -72,7 +72,7 @@ impl Curve {
     /// Load at displacement `x` >= 0.
     pub fn load(&self, x: f32) -> f32 {
         match *self {
-            Self::Drag { full, reach, fullness } => full * (1.0 - one_minus(x / reach, 1.0 / fullness)),
+            Self::Drag { full, reach, fullness } => full * (1.0 - one_minus(x / reach, inverse(fullness))),
             Self::Twist { full, unit, fullness } => full * twist_share(fullness, x / unit),
         }
     }
@@ -89,7 +89,7 @@ impl Curve {
     pub fn stick_radius(&self, x: f32) -> f32 {
         match *self {
             // s_lim(c) = s0 (1 - c^n), n = rho / (1 - rho)
-            Self::Drag { reach, fullness, .. } => one_minus(x / reach, (1.0 - fullness) / fullness),
+            Self::Drag { reach, fullness, .. } => one_minus(x / reach, inverse(fullness) - 1.0),
             Self::Twist { unit, .. } => {
                 let x = min(x / unit, TWIST_REACH);
                 exp(-0.2902 * x * (1.0 + 0.2066 * x) / (1.0 + 0.1046 * x))
@@ -105,9 +105,18 @@ fn one_minus(x: f32, e: f32) -> f32 {
         0.0
     } else if e == 1.5 {
         rest * root(rest)
+    } else if e == FULLNESS_HERTZ {
+        cbrt(rest * rest)
+    } else if e == 0.5 {
+        root(rest)
     } else {
         pow(rest, e)
     }
+}
+
+/// 1 / rho; exact for Hertz, whose powers then have short cuts.
+fn inverse(fullness: f32) -> f32 {
+    if fullness == FULLNESS_HERTZ { 1.5 } else { 1.0 / fullness }
 }
 
 /// T / T_max over x = K_theta phi / T_max, between the three profiles linear in the fullness.

@@ -44,9 +44,7 @@ impl Memory {
     pub fn load(&self, curve: &Curve, at: Vec2) -> Vec2 {
         let (turn, scale) = (self.last(), self.scale(self.len - 1));
         let (distance, along) = polar(at - turn.at);
-        let load = turn.load + along * (scale * curve.load(min(distance / scale, curve.reach())));
-        let (size, direction) = polar(load);
-        if size > curve.full() { direction * curve.full() } else { load }
+        held(curve, turn.load + along * (scale * curve.load(min(distance / scale, curve.reach()))))
     }
 
     /// Stuck share of the area at displacement `at`.
@@ -100,13 +98,9 @@ impl Memory {
     /// Fits the memory to a new curve so that displacement `at` carries `load`: when load or radius of the patch change, what was held
     /// stays held as far as friction allows, and turning points keep their loads.
     pub fn rebuild(&mut self, curve: &Curve, at: Vec2, load: Vec2) {
-        let held = |load: Vec2| {
-            let (size, direction) = polar(load);
-            if size > curve.full() { direction * curve.full() } else { load }
-        };
-        let (mut at, mut load) = (at, held(load));
+        let (mut at, mut load) = (at, held(curve, load));
         for index in (0..self.len).rev() {
-            let turn_load = if index == 0 { Vec2::ZERO } else { held(self.turns[index].load) };
+            let turn_load = if index == 0 { Vec2::ZERO } else { held(curve, self.turns[index].load) };
             let scale = self.scale(index);
             let (size, along) = polar(load - turn_load);
             at -= along * (scale * curve.inverse(size / scale));
@@ -114,6 +108,11 @@ impl Memory {
             load = turn_load;
         }
     }
+}
+
+/// What friction can hold of `load`.
+fn held(curve: &Curve, load: Vec2) -> Vec2 {
+    if load.length_squared() > curve.full() * curve.full() { polar(load).1 * curve.full() } else { load }
 }
 
 /// Length and direction; the direction of nothing is nothing.

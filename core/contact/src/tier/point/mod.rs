@@ -65,8 +65,9 @@ fn friction(hold: &Hold, slid: f32) -> f32 {
     hold.mu_s - (hold.mu_s - hold.mu_d) * slid
 }
 
-/// Steps of the search for the local share of a shift: the bracket is a line, secants settle it to f32 in five.
-const SERIES_STEPS: usize = 6;
+/// Steps of the search for the local share of a shift. The residual is nearly a line over one tick, and what two secants leave of it
+/// is carried on to the next tick, which starts from the true residual.
+const SERIES_STEPS: usize = 1;
 
 /// Moves `local` towards `target` so that local + C load(local) = target, and returns the load there.
 fn pull(curve: &Curve, memory: &mut Memory, local: &mut Vec2, target: Vec2, compliance: f32) -> Vec2 {
@@ -96,12 +97,8 @@ fn local_share(curve: &Curve, memory: &Memory, local: Vec2, now: Vec2, rest: Vec
     };
     let (mut low, mut high) = (0.0, 1.0);
     let (mut at_low, mut at_high) = (-1.0, max(residual(1.0), 0.0));
-    let mut share = 1.0;
     for _ in 0..SERIES_STEPS {
-        if at_high - at_low <= f32::MIN_POSITIVE {
-            break;
-        }
-        share = clamp(low - at_low * (high - low) / (at_high - at_low), low, high);
+        let share = secant((low, at_low), (high, at_high));
         let here = residual(share);
         if here <= 0.0 {
             (low, at_low, at_high) = (share, here, 0.5 * at_high);
@@ -109,12 +106,23 @@ fn local_share(curve: &Curve, memory: &Memory, local: Vec2, now: Vec2, rest: Vec
             (high, at_high, at_low) = (share, here, 0.5 * at_low);
         }
     }
-    share
+    secant((low, at_low), (high, at_high))
+}
+
+/// Where the line through two points of opposite sign crosses zero; `high` where there is no line.
+fn secant((low, at_low): (f32, f32), (high, at_high): (f32, f32)) -> f32 {
+    let span = at_high - at_low;
+    if span > f32::MIN_POSITIVE { clamp(low - at_low * (high - low) / span, low, high) } else { high }
 }
 
 /// One friction budget for sliding and spinning: beyond the limit surface both are scaled back, and the memories with them.
 fn share_budget(drag: &Curve, twist: &Curve, patch: &mut Patch, force: Vec2, torque: Vec2) -> (Vec2, f32) {
-    let used = pow(force.length() / drag.full(), LIMIT_EXPONENT) + pow(torque.x.abs() / twist.full(), LIMIT_EXPONENT);
+    let (pulled, turned) = (force.length() / drag.full(), torque.x.abs() / twist.full());
+    // inside the straight line between the two limits nothing needs a power
+    if pulled + turned <= 1.0 {
+        return (force, torque.x);
+    }
+    let used = pow(pulled, LIMIT_EXPONENT) + pow(turned, LIMIT_EXPONENT);
     if used <= 1.0 {
         return (force, torque.x);
     }
