@@ -1,8 +1,8 @@
 //! Drives the core along paths in a few words: a test is then data plus expectation.
 
 use haptor_contact::{
-    Input, Material, Model, ModelSpec, ObjectShape, Output, Params, ParamsSpec, Pose, ProbePart, ProbeShape, Quat, Scratch, State, Vec3,
-    Wrench, step,
+    Input, Material, Model, ModelSpec, ObjectShape, Output, Params, ParamsSpec, Pose, ProbePart, ProbeShape, Quat, Scratch,
+    State, Vec3, Wrench, step,
 };
 
 /// Rubber of the paper's Table I: 3 MPa, incompressible, 1100 kg/m^3.
@@ -68,8 +68,10 @@ impl Drive {
     /// Moves by `by` \[m\] in `ticks` equal steps.
     pub fn shift(&mut self, by: Vec3, ticks: usize) -> Wrench {
         let start = self.position;
-        (1..=ticks).for_each(|i| drop(self.tick(start + by * (i as f32 / ticks as f32), self.rotation)));
-        self.wrench()
+        for i in 1..=ticks {
+            self.tick(start + by * (i as f32 / ticks as f32), self.rotation);
+        }
+        self.contact()
     }
 
     /// Turns by `angle` \[rad\] about the world axis `axis` through the mass centre, in `ticks` equal steps.
@@ -79,11 +81,11 @@ impl Drive {
             let turned = Quat::from_axis_angle(axis, angle * i as f32 / ticks as f32) * start;
             self.tick(self.position, turned.normalize());
         }
-        self.wrench()
+        self.contact()
     }
 
     /// Contact wrench of the last tick.
-    pub fn wrench(&self) -> Wrench {
+    pub fn contact(&self) -> Wrench {
         self.output.expect("at least one tick").contact
     }
 
@@ -95,5 +97,35 @@ impl Drive {
     /// The state, to look inside.
     pub fn state(&self) -> &FullState {
         &self.state
+    }
+
+    /// Puts the probe at height `z` above where it touches, without turning it, in one tick; negative presses.
+    ///
+    /// `touch` is the height of the probe's origin at which the gap is zero \[m\].
+    pub fn press_to(&mut self, touch: f32, depth: f32) -> Wrench {
+        let at = Vec3::new(self.position.x, self.position.y, touch - depth);
+        self.tick(at, self.rotation).contact
+    }
+
+    /// The model, to read its shapes.
+    pub fn model(&self) -> &Model<'static> {
+        &self.model
+    }
+
+    /// Normal load of all patches \[N\].
+    pub fn load(&self) -> f64 {
+        self.state.patches().iter().map(|patch| f64::from(patch.footprint.load)).sum()
+    }
+
+    /// Contact radius of the deepest patch \[m\].
+    pub fn radius(&self) -> f64 {
+        f64::from(self.report().radius)
+    }
+
+    /// What the object holds against on its level top: drag force along x and y \[N\], torque about z through the mass centre \[N m\].
+    /// The probe feels the opposite.
+    pub fn held(&self) -> [f64; 3] {
+        let wrench = self.contact();
+        [-f64::from(wrench.force.x), -f64::from(wrench.force.y), -f64::from(wrench.torque.z)]
     }
 }

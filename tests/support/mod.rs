@@ -1,3 +1,5 @@
 //! Scenes, paths and tolerances that the tests share.
 
 pub mod drive;
+pub mod exact;
+pub mod led;
