@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub cpu: Option<usize>,
     /// Length of the session; default: until Ctrl-C
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Where to record the session
     #[arg(long, value_name = "FILE")]

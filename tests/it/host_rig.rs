@@ -65,7 +65,7 @@ pub fn ball_on_cube() -> BakedScene {
 
 /// The device and its cable.
 pub struct Far {
-    clock: Virtual,
+    pub clock: Virtual,
     pub device: Device,
     tx: TxBuf,
     to_host: VecDeque<u8>,

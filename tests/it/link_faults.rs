@@ -1,13 +1,19 @@
 //! Fault drills: whatever happens to cable and device, the wrench reaches zero in the stated ticks, the fault is named and latched,
 //! nothing hangs, and forces come back only from a small one.
 
+use std::time::Duration;
+
 use haptor_host::link::wrap::{FaultLink, Plan};
+use haptor_host::link::{Link, LinkError};
 use haptor_host::rt::blackbox::BLACKBOX_TICKS;
+use haptor_host::rt::budget::OVERRUN_TICKS;
+use haptor_host::rt::clock::Virtual;
 use haptor_host::rt::flags;
 use haptor_host::rt::stale::{FADE_TICKS, HOLD_TICKS, SMALL_FORCE};
-use haptor_wire::{HostFault, Mode};
+use haptor_wire::units::NOT_A_NUMBER;
+use haptor_wire::{FromDevice, HostFault, Mode, StreamDecoder, encode_stream, stream_bound};
 
-use crate::host_rig::{Rig, length};
+use crate::host_rig::{Cable, Rig, length};
 
 const ZERO_AFTER: u32 = HOLD_TICKS + FADE_TICKS;
 
@@ -147,4 +153,80 @@ fn a_hopeless_line_ends_at_zero_and_does_not_hang() {
         }
         assert_eq!((rig.summary().fault, rig.summary().ticks), (Some(expected), 0));
     }
+}
+
+/// A cable on which every report's position becomes "not a number" after so many.
+struct Blinded {
+    cable: Cable,
+    decoder: StreamDecoder<128>,
+    reports_left: u32,
+}
+
+impl Link for Blinded {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.cable.send(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
+        let mut raw = [0; 256];
+        let n = self.cable.receive(&mut raw, wait)?;
+        let (mut length, reports_left) = (0, &mut self.reports_left);
+        self.decoder.feed(&raw[..n], |mut message: FromDevice| {
+            if let FromDevice::Pose(pose) = &mut message {
+                *reports_left = reports_left.saturating_sub(1);
+                if *reports_left == 0 {
+                    pose.position_nm[1] = NOT_A_NUMBER;
+                }
+            }
+            length += encode_stream(&message, &mut into[length..]).expect("room for what fitted before");
+        });
+        Ok(length)
+    }
+
+    fn name(&self) -> &str {
+        self.cable.name()
+    }
+}
+
+#[test]
+fn poses_that_are_none_count_as_not_come_and_are_named() {
+    assert!(stream_bound(FromDevice::MAX_ENCODED) <= 128);
+    let blind = |cable| Blinded { cable, decoder: StreamDecoder::new(), reports_left: 900 };
+    let mut rig = Rig::with_link("press", None, |cable| Box::new(blind(cable)));
+    assert!(rig.until(1_500, |rig| !rig.faults.is_empty()));
+    assert_eq!((rig.faults[0].cause, rig.faults[0].after_ticks), (HostFault::NonFinite, ZERO_AFTER));
+    assert_eq!(length(rig.last().force), 0.0);
+    assert!(rig.last().flags & flags::POSE_REFUSED != 0);
+    assert!(rig.ticks.iter().all(|t| t.force.iter().all(|x| x.is_finite())));
+}
+
+/// A cable that takes two periods to send.
+struct Slow(Cable, Virtual);
+
+impl Link for Slow {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.1.advance_ns(2_000_000);
+        self.0.send(bytes)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
+        self.0.receive(into, wait)
+    }
+
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+}
+
+#[test]
+fn a_machine_that_cannot_keep_up_is_told_so() {
+    let mut rig = Rig::with_link("press", None, |cable| {
+        let clock = cable.0.lock().expect("one thread").clock.clone();
+        Box::new(Slow(cable, clock))
+    });
+    assert!(rig.until(200, |rig| !rig.faults.is_empty()));
+    let ran = rig.ticks.len() as u32;
+    assert_eq!((rig.faults[0].cause, ran), (HostFault::Overrun, OVERRUN_TICKS + 1));
+    let s = rig.summary();
+    assert_eq!((s.in_time, s.late), (0, s.ticks));
 }

@@ -68,3 +68,66 @@ impl Link for SerialLink {
         &self.name
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+    /// The controlling end of a pseudo-terminal and a link on the other.
+    fn pty() -> (OwnedFd, SerialLink) {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&master).unwrap();
+        unlockpt(&master).unwrap();
+        let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+        let link = SerialLink::open(Path::new(&name)).unwrap();
+        (master, link)
+    }
+
+    /// Long enough for bytes that are there; what passes does not depend on it.
+    const WAIT: Duration = Duration::from_secs(5);
+
+    #[test]
+    fn every_byte_crosses_unchanged_both_ways() {
+        let (master, mut link) = pty();
+        let all: Vec<u8> = (0..=255).collect();
+        link.send(&all).unwrap();
+        let mut got = [0; 512];
+        let mut n = 0;
+        while n < all.len() {
+            n += rustix::io::read(&master, &mut got[n..]).unwrap();
+        }
+        assert_eq!(got[..n], all);
+        rustix::io::write(&master, &all).unwrap();
+        let mut n = 0;
+        while n < all.len() {
+            n += link.receive(&mut got[n..], WAIT).unwrap();
+        }
+        assert_eq!(got[..n], all);
+    }
+
+    #[test]
+    fn nothing_is_nothing_and_the_end_is_the_end() {
+        let (master, mut link) = pty();
+        let mut got = [0; 8];
+        for wait in [Duration::ZERO, Duration::from_micros(500)] {
+            assert_eq!(link.receive(&mut got, wait), Ok(0));
+        }
+        drop(master);
+        assert_eq!(link.receive(&mut got, WAIT), Err(LinkError::Closed));
+        assert_eq!(link.send(&[1]), Err(LinkError::Closed));
+    }
+
+    #[test]
+    fn a_device_that_does_not_read_fills_the_line_and_blocks_nobody() {
+        let (_master, mut link) = pty();
+        assert!((0..10_000).any(|_| link.send(&[7; 60]) == Err(LinkError::Full)));
+    }
+
+    #[test]
+    fn an_open_port_is_locked() {
+        let (master, _link) = pty();
+        let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+        assert!(SerialLink::open(Path::new(&name)).is_err());
+    }
+}

@@ -41,3 +41,30 @@ impl Link for TcpLink {
         &self.name
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
+
+    fn connected() -> (TcpStream, TcpLink) {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let link = TcpLink::connect(listener.local_addr().unwrap()).unwrap();
+        (listener.accept().unwrap().0, link)
+    }
+
+    #[test]
+    fn bytes_cross_both_ways_and_the_end_is_the_end() {
+        let (mut device, mut link) = connected();
+        link.send(&[1, 0, 2]).unwrap();
+        let mut got = [0; 8];
+        device.read_exact(&mut got[..3]).unwrap();
+        assert_eq!(got[..3], [1, 0, 2]);
+        assert_eq!(link.receive(&mut got, Duration::ZERO), Ok(0));
+        device.write_all(&[9, 8]).unwrap();
+        assert_eq!(link.receive(&mut got, Duration::from_secs(5)), Ok(2));
+        drop(device);
+        assert_eq!(link.receive(&mut got, Duration::from_secs(5)), Err(LinkError::Closed));
+    }
+}

@@ -1,0 +1,160 @@
+//! The binary as a user or a tool meets it: exit codes, what it says, what it leaves behind.
+
+use std::fs;
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use haptor_wire::recording::RecordReader;
+use haptor_wire::scene_file::{FILE_MAX, encode_file};
+use haptor_wire::{
+    BakedScene, Breakaway, Coupling, Deformation, FromHost, HostFault, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
+    Record, StreamDecoder, Tier, stream_bound,
+};
+
+/// A folder of one test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("haptor-host-cli-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// A baked ball on a half space.
+    fn model(&self, tier: Tier) -> String {
+        let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
+        let scene = BakedScene {
+            object: ObjectShape::HalfSpace,
+            fixed_below: 0.0,
+            young_modulus: 3.0e6,
+            poisson_ratio: 0.5,
+            density: 1100.0,
+            compliance: None,
+            probe: ProbeParts::from_slice(&[ball]).unwrap(),
+            mass: 1.0,
+            friction_static: 0.75,
+            friction_dynamic: 0.75,
+            region_distance: 0.004,
+            max_regions: 10,
+            tier,
+            samples: 64,
+            sweeps: 4,
+            deformation: Deformation::Full,
+            coupling: Coupling::Direct,
+            breakaway: Breakaway::Smooth,
+            gravity: false,
+            paper_length: 0.1,
+            place: Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
+        };
+        let mut file = [0; FILE_MAX];
+        let n = encode_file(&scene, &mut file).unwrap();
+        self.file("good.model", &file[..n])
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> String {
+        let path = self.0.join(name);
+        fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn host(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_haptor-host")).args(args).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn bad_usage_and_bad_input_exit_2_and_write_nothing() {
+    let folder = Folder::new("input");
+    let (good, not_one) = (folder.model(Tier::Bristle), folder.file("not.model", b"[object]\nshape = \"box\"\n"));
+    let (record, missing) = (folder.path("s.rec"), folder.path("missing.model"));
+    let device = "tcp:127.0.0.1:9";
+    let table: [(&[&str], &str); 7] = [
+        (&[], "Usage"),
+        (&[&good], "--device"),
+        (&[&good, "--device", "can:0"], "allowed: serial:PATH"),
+        (&[&good, "--device", device, "--rate", "0", "--record", &record], "--rate is 0; allowed is 100 to 8000 Hz"),
+        (&[&missing, "--device", device, "--record", &record], "cannot read the baked scene"),
+        (&[&not_one, "--device", device, "--record", &record], "not a baked scene"),
+        (&[&good, "--device", device, "--seconds", "-1", "--record", &record], "--seconds"),
+    ];
+    for (args, named) in table {
+        let output = host(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(named), "{args:?} says {}", stderr(&output));
+        assert!(output.stdout.is_empty());
+    }
+    let influence = folder.model(Tier::Influence);
+    let output = host(&[&influence, "--device", device, "--record", &record]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("available: point, paper, bristle"), "{}", stderr(&output));
+    assert!(!PathBuf::from(record).exists());
+}
+
+#[test]
+fn a_device_that_is_not_there_exits_1_and_is_named() {
+    let folder = Folder::new("absent");
+    let (model, record) = (folder.model(Tier::Point), folder.path("s.rec"));
+    for device in ["serial:/dev/no-such-port", "tcp:127.0.0.1:1"] {
+        let output = host(&[&model, "--device", device, "--rt", "ignore", "--record", &record]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(stderr(&output).contains(&format!("cannot open {device}: ")), "{}", stderr(&output));
+    }
+    assert!(!PathBuf::from(record).exists());
+}
+
+/// A device that takes the connection, keeps it for a while and says `words`.
+fn strange_device(words: &'static [u8]) -> (String, std::thread::JoinHandle<Option<TcpStream>>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", listener.local_addr().unwrap());
+    let serve = move || {
+        let (mut stream, _) = listener.accept().ok()?;
+        for _ in 0..200 {
+            stream.write_all(words).ok()?;
+        }
+        Some(stream)
+    };
+    (address, std::thread::spawn(serve))
+}
+
+#[test]
+fn a_device_that_talks_nonsense_exits_1_names_it_and_leaves_readable_files() {
+    let folder = Folder::new("nonsense");
+    let (model, record) = (folder.model(Tier::Point), folder.path("s.rec"));
+    let (device, served) = strange_device(b"GET / HTTP/1.1\r\n\0");
+    let args = [&model, "--device", &device, "--rt", "ignore", "--record", &record, "--status", "frames", "--seconds", "60"];
+    let output = host(&args);
+    drop(served.join());
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("fault: garbage on the link"), "{}", stderr(&output));
+
+    let mut told = Vec::new();
+    StreamDecoder::<{ stream_bound(FromHost::MAX_ENCODED) }>::new().feed(&output.stdout, |message: FromHost| told.push(message));
+    assert!(matches!(told[0], FromHost::Fault(fault) if fault.cause == HostFault::Garbage), "{told:?}");
+    assert!(
+        matches!(told.last(), Some(FromHost::Summary(s)) if s.fault == Some(HostFault::Garbage) && s.rejected > 0),
+        "{told:?}"
+    );
+
+    let file = fs::read(record).unwrap();
+    let records: Vec<Record> = RecordReader::new(&file).map(Result::unwrap).collect();
+    assert!(matches!(records[..], [Record::Header(_), Record::Fault(_), Record::End(_)]), "{records:?}");
+    let boxed = fs::read(folder.path("s.rec.blackbox")).unwrap();
+    assert!(RecordReader::new(&boxed).any(|r| matches!(r, Ok(Record::Fault(_)))));
+}
