@@ -50,13 +50,14 @@ pub struct Child {
 }
 
 impl Child {
-    /// Starts a program with its standard output readable and its standard error kept.
+    /// Starts a program with its standard output readable and its standard error kept. Its standard input stays open as long as
+    /// this program lives, so a program that watches it learns of our death, whatever the cause.
     ///
     /// # Errors
     /// When the system would not start it.
     pub fn start(command: &mut Command) -> anyhow::Result<Self> {
         let program = command.get_program().to_string_lossy().into_owned();
-        let piped = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut process = piped.spawn().with_context(|| format!("{program} cannot be started"))?;
         let said = Arc::new(Mutex::new(Vec::new()));
         if let Some(stderr) = process.stderr.take() {

@@ -51,6 +51,9 @@ pub struct Args {
 /// The motion that the simulated hand makes.
 const SCRIPT: &str = "press-twist-slide";
 
+/// What the host writes beside the recording when a fault latches: its last thousand ticks.
+const BLACK_BOX: &str = "session.haptor.blackbox";
+
 /// How much longer the device serves than the session lasts \[s\]: the host must be the one that ends it.
 const DEVICE_LONGER: f64 = 10.0;
 
@@ -90,7 +93,7 @@ impl Folder {
     fn create(path: &Path) -> Result<Self, Failure> {
         let unusable = |error| Failure::bad_input(format!("{}: cannot be a folder for the results: {error}", path.display()));
         fs::create_dir_all(path).map_err(unusable)?;
-        for name in ["wrench.csv", "force.png", "torque.png", "session.haptor"] {
+        for name in ["wrench.csv", "force.png", "torque.png", "session.haptor", BLACK_BOX] {
             match fs::remove_file(path.join(name)) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(unusable(error)),
                 _ => {}
@@ -186,6 +189,9 @@ fn conclude(session: &Session, recording: &Recording, folder: &Folder) -> Outcom
     let figures = Figures::new(session.summary, recording);
     print!("{}", figures.table());
     println!("{:<30}{} (wrench.csv, force.png, torque.png, session.haptor)", "results", folder.path.display());
+    if folder.path.join(BLACK_BOX).is_file() {
+        println!("{:<30}the last ticks before the fault are in {BLACK_BOX}", "black box");
+    }
     let verdict = figures.verdict();
     match (&session.trouble, verdict) {
         (Some(trouble), Some(verdict)) => Err(Failure::problem(format!("{verdict}; {trouble}"))),

@@ -12,6 +12,10 @@ use crate::programs::{self, Child};
 /// What the simulated device prints before the path of its pseudo-terminal.
 const SERVING: &str = "serving pty ";
 
+/// Milliseconds without an answer until it brakes: longer than an ordinary process was seen to oversleep (26 ms), shorter than a
+/// stall that must be a fault (50 ms).
+const WATCHDOG_MS: &str = "45";
+
 /// Longest wait for that line: the program only opens a pseudo-terminal, the rest is a loaded machine.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -31,6 +35,7 @@ impl SimulatedDevice {
     /// [`Failure::Problem`] when it is missing, does not start or serves nothing; with its last words.
     pub fn start(preset: &str, script: &str, seconds: f64) -> Result<Self, Failure> {
         let mut command = Command::new(programs::find(programs::FIRMWARE_SIM)?);
+        command.args(["--until-stdin-closes", "--watchdog-ms", WATCHDOG_MS]);
         command.args(["--serve", "pty", "--preset", preset, "--script", script, "--seconds", &seconds.to_string()]);
         let mut child = Child::start(&mut command)?;
         let port = child.stdout().map(BufReader::new).map_or(Err(RecvTimeoutError::Disconnected), first_port);

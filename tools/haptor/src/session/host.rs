@@ -17,7 +17,12 @@ const FRAME_MAX: usize = stream_bound(FromHost::MAX_ENCODED);
 /// Bytes read from the pipe at once: some tens of frames.
 const CHUNK: usize = 4096;
 
-/// How a session is run.
+/// Ticks without a pose through which the last wrench is held, and over which it then fades, before a fault latches. Twice the
+/// host's own figures: a simulated device is an ordinary process, seen to oversleep 26 ms on a busy machine, and a stall of 50 ms
+/// must still be a fault.
+const PATIENCE: [&str; 4] = ["--hold", "8", "--fade", "32"];
+
+/// How a session with a simulated device is run.
 #[derive(Debug)]
 pub struct Plan<'a> {
     /// The baked scene.
@@ -49,7 +54,11 @@ impl Host {
     pub fn start(plan: &Plan<'_>) -> Result<Self, Failure> {
         let mut command = Command::new(programs::find(programs::HOST)?);
         command.arg(plan.model).args(["--device", plan.device, "--rate", &plan.rate_hz.to_string(), "--rt", "ignore"]);
-        command.args(["--seconds", &plan.seconds.to_string(), "--status", "frames"]).arg("--record").arg(plan.record);
+        command
+            .args(["--seconds", &plan.seconds.to_string(), "--status", "frames"])
+            .args(PATIENCE)
+            .arg("--record")
+            .arg(plan.record);
         let mut child = Child::start(&mut command)?;
         let (send, messages) = mpsc::channel();
         if let Some(mut output) = child.stdout() {

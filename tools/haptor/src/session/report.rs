@@ -58,6 +58,14 @@ impl Figures {
             .then(|| format!("{:.2} % of the ticks were in time, 95 % are wanted; run `haptor doctor`", 100.0 * share))
     }
 
+    fn ticks(&self) -> String {
+        let s = &self.summary;
+        if !self.complete {
+            return format!("{} recorded (how many were in time is {UNKNOWN})", s.ticks);
+        }
+        format!("{} ({:.3} % in time, {} late)", s.ticks, 100.0 * self.share(), s.late)
+    }
+
     /// The table, one line per figure.
     pub fn table(&self) -> String {
         let s = &self.summary;
@@ -67,14 +75,14 @@ impl Figures {
             s.lost, s.rejected, s.out_of_order, s.recorder_dropped
         );
         let rows = [
-            ("ticks", format!("{} ({:.3} % in time, {} late)", s.ticks, 100.0 * self.share(), s.late)),
+            ("ticks", self.ticks()),
             ("peak force", format!("{:.3} N", s.peak_force)),
             ("peak torque", format!("{:.5} N m", s.peak_torque)),
             ("step p50 / p99.9 / max", microseconds(&s.step_ns)),
             ("wake-up p50 / p99.9 / max", microseconds(&s.wake_ns)),
             ("round trip p50 / p99.9 / max", microseconds(&s.round_trip_ns)),
             ("messages", lost),
-            ("real-time policy", policy(s)),
+            ("real-time policy", if self.complete { policy(s) } else { UNKNOWN.to_owned() }),
             ("fault", fault.to_owned()),
         ];
         rows.iter().fold(String::new(), |mut table, (name, value)| {
@@ -84,6 +92,9 @@ impl Figures {
         })
     }
 }
+
+/// What stands where only the host could have told.
+const UNKNOWN: &str = "unknown, the host did not end in order";
 
 fn microseconds(ns: &Quantiles) -> String {
     let us = |ns: u32| f64::from(ns) / 1.0e3;
