@@ -3,6 +3,7 @@
 //! Colours are Okabe and Ito's, told apart with any colour vision (jfly.uni-koeln.de/color, 2008). The font comes with a crate,
 //! so a machine without fonts draws the same picture.
 
+use std::cmp::Ordering;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -87,7 +88,12 @@ fn ranges(curves: &[Curve]) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
     let span = |of: fn(&(f64, f64)) -> f64| {
         let (low, high) =
             all().map(of).filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        if low < high { (low, high) } else { (low.min(0.0).max(-1.0), high.max(0.0).min(1.0) + 1.0) }
+        match low.total_cmp(&high) {
+            Ordering::Less => (low, high),
+            Ordering::Equal => (low - 1.0, high + 1.0),
+            // no point at all
+            Ordering::Greater => (0.0, 1.0),
+        }
     };
     let ((start, end), (low, high)) = (span(|p| p.0), span(|p| p.1));
     let room = 0.05 * (high - low);

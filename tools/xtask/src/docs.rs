@@ -19,10 +19,7 @@ pub fn check() -> Result<ExitCode> {
     let mut wrong = Vec::new();
     for path in &documents {
         let text = fs::read_to_string(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        let lines = text.lines().enumerate();
-        let found =
-            lines.flat_map(|(index, line)| check_line(path, line, &haptor).into_iter().map(move |what| (index + 1, what)));
-        wrong.extend(found.map(|(line, what)| format!("{}:{line}: {what}", path.display())));
+        wrong.extend(check_text(path, &text, &haptor));
     }
     if wrong.is_empty() {
         println!("{} documents checked", documents.len());
@@ -39,12 +36,26 @@ fn documents() -> Result<Vec<PathBuf>> {
     if paths.is_empty() { bail!("there are no documents") } else { Ok(paths) }
 }
 
-fn check_line(path: &Path, line: &str, haptor: &Path) -> Vec<String> {
+/// What is wrong with a document. Inside a fence only the commands of shell examples count, outside it links and spans.
+fn check_text(path: &Path, text: &str, haptor: &Path) -> Vec<String> {
     let folder = path.parent().unwrap_or(root());
-    let links = links(line).into_iter().filter(|link| !folder.join(link).exists());
-    let mut wrong: Vec<_> = links.map(|link| format!("link to {link}, which is not there")).collect();
-    let commands = commands(line);
-    wrong.extend(commands.iter().filter_map(|words| check_command(words, haptor)));
+    let mut fence: Option<&str> = None;
+    let mut wrong = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        if let Some(language) = line.trim_start().strip_prefix("```") {
+            fence = if fence.is_some() { None } else { Some(language.trim()) };
+            continue;
+        }
+        let (links, commands) = match fence {
+            Some("sh") => (Vec::new(), shell_command(line).into_iter().collect()),
+            Some(_) => continue,
+            None => (links(line), spans(line)),
+        };
+        let missing = links.iter().filter(|link| !folder.join(link).exists());
+        let found = missing.map(|link| format!("link to {link}, which is not there"));
+        let found = found.chain(commands.iter().filter_map(|words| check_command(words, haptor)));
+        wrong.extend(found.map(|what| format!("{}:{}: {what}", path.display(), index + 1)));
+    }
     wrong
 }
 
@@ -56,13 +67,17 @@ fn links(line: &str) -> Vec<&str> {
     targets.filter(outside).filter_map(|target| target.split('#').next()).collect()
 }
 
-/// Commands of ours in the line: whole lines of a shell example, or spans between backquotes.
-fn commands(line: &str) -> Vec<Vec<&str>> {
-    let is_ours = |text: &&str| ["haptor ", "cargo xtask "].iter().any(|start| text.starts_with(start));
-    let shell = line.trim_start().trim_start_matches("$ ").trim_start_matches("target/release/");
-    let spans = line.split('`').skip(1).step_by(2);
-    let all = std::iter::once(shell).chain(spans).filter(is_ours);
-    all.map(|text| text.split('#').next().unwrap_or(text).split_whitespace().collect()).collect()
+/// A command of ours on a line of a shell example.
+fn shell_command(line: &str) -> Option<Vec<&str>> {
+    let line = line.trim_start().trim_start_matches("$ ").trim_start_matches("target/release/");
+    let line = line.split(" #").next().unwrap_or(line);
+    let is_ours = ["haptor ", "cargo xtask "].iter().any(|start| line.starts_with(start));
+    is_ours.then(|| line.split_whitespace().collect())
+}
+
+/// Commands of ours between backquotes.
+fn spans(line: &str) -> Vec<Vec<&str>> {
+    line.split('`').skip(1).step_by(2).filter_map(shell_command).collect()
 }
 
 /// What is wrong with a command; nothing is run but `--help`.
@@ -111,11 +126,9 @@ mod tests {
 
     #[test]
     fn commands_are_found_in_examples_and_in_text() {
-        assert_eq!(commands("haptor eval a b -o c  # says nothing"), [["haptor", "eval", "a", "b", "-o", "c"]]);
-        assert_eq!(
-            commands("run `cargo xtask ci` and `haptor doctor`"),
-            [vec!["cargo", "xtask", "ci"], vec!["haptor", "doctor"]]
-        );
-        assert!(commands("haptor's heart").is_empty());
+        assert_eq!(shell_command("$ haptor eval a b -o c  # says nothing").unwrap(), ["haptor", "eval", "a", "b", "-o", "c"]);
+        assert_eq!(shell_command("cd haptor"), None);
+        assert_eq!(spans("run `cargo xtask ci` and `haptor doctor`"), [vec!["cargo", "xtask", "ci"], vec!["haptor", "doctor"]]);
+        assert!(spans("haptor `-o` its `heart`").is_empty());
     }
 }
