@@ -59,6 +59,9 @@ pub mod profile;
 mod stage;
 pub mod tier;
 
+#[doc = include_str!("theory.md")]
+pub mod theory {}
+
 pub use error::Invalid;
 pub use footprint::Footprint;
 pub use frames::{Pose, ProbeFrame, World};

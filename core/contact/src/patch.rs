@@ -47,7 +47,7 @@ pub struct Grip {
 /// Motion of one tick as a tier needs it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Turn of the probe since the previous tick, vector in world [rad].
+    /// Turn of the probe since the previous tick, vector in world \[rad\].
     pub turn: Vec3,
     /// Shift since the previous tick.
     pub step: Shift,
@@ -127,6 +127,11 @@ impl Patch {
     /// Second tangent of c.
     pub fn second_tangent(&self) -> Vec3 {
         self.normal.cross(self.tangent)
+    }
+
+    /// The place of the patch on the undeformed surface \[m\], world: small strain counts lengths there.
+    pub fn at_rest(&self) -> Vec3 {
+        self.centre + self.normal * self.depth
     }
 
     /// A tangential vector of c in world.

@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::geometry::support::{reach, support};
-use crate::math::{GAUSS_4, PI, asin, clamp, cos, max, min, perpendicular, root, sin};
+use crate::math::{GAUSS_4, PI, clamp, cos, max, min, perpendicular, root, sin};
 use crate::model::ProbeShape;
 
 /// Area and centroid of a slice.
@@ -16,13 +16,30 @@ pub struct Slice {
     pub area: f32,
     /// Centroid in the part's frame \[m\].
     pub centroid: Vec3,
+    /// Longer over shorter extent, 1 or more.
+    pub aspect: f32,
 }
+
+impl Slice {
+    fn new(area: f32, centroid: Vec3, (length, width): (f32, f32)) -> Self {
+        let (long, short) = (max(length, width), min(length, width));
+        let aspect = if short > 0.0 && long.is_finite() { min(long / short, LONGEST) } else { 1.0 };
+        Self { area, centroid, aspect }
+    }
+
+    fn round(area: f32, centroid: Vec3) -> Self {
+        Self { area, centroid, aspect: 1.0 }
+    }
+}
+
+/// Longest footprint told from a longer one: the stiffness of a strip grows with the logarithm only.
+const LONGEST: f32 = 1.0e4;
 
 /// Slice of `shape` at height `z` > 0 \[m\] above its deepest point along `d`.
 pub fn slice(shape: &ProbeShape, d: Vec3, z: f32) -> Slice {
     match *shape {
         ProbeShape::Box { size } => of_box(0.5 * size, d, z),
-        ProbeShape::Cylinder { radius, height } => of_cylinder(Vec3::ZERO, 0.5 * height, radius, d, z),
+        ProbeShape::Cylinder { radius, height } => of_cylinder(radius, height, d, z),
         ProbeShape::Capsule { radius, height } => of_capsule(radius, height, d, z),
         ProbeShape::Cone { radius, height } => of_cone(radius, height, d, z),
         ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. } => of_smooth(shape, d, z),
@@ -33,15 +50,13 @@ pub fn slice(shape: &ProbeShape, d: Vec3, z: f32) -> Slice {
 fn of_smooth(shape: &ProbeShape, d: Vec3, z: f32) -> Slice {
     let radius = reach(shape);
     let height = min(z, radius);
-    Slice { area: PI * (2.0 * radius * height - height * height), centroid: support(shape, d) - d * z }
+    Slice::round(PI * (2.0 * radius * height - height * height), support(shape, d) - d * z)
 }
 
 /// How a body of revolution stands: axis from its lower end upwards, and its tilt.
 struct Tilt {
     /// Unit vector along the axis, from the lower end up (part frame).
     axis: Vec3,
-    /// Unit vector across the axis, upwards, in the plane of tilt.
-    across: Vec3,
     cos: f32,
     sin: f32,
 }
@@ -51,37 +66,21 @@ impl Tilt {
         let axis = if d.z > 0.0 { -Vec3::Z } else { Vec3::Z };
         let cos = d.z.abs();
         let sin = root(1.0 - min(cos * cos, 1.0));
-        let across = if sin > UPRIGHT_SINE { (-d - axis * cos) / sin } else { perpendicular(axis) };
-        Self { axis, across, cos, sin }
+        Self { axis, cos, sin }
     }
 }
 
 /// Below this sine of tilt a flat end counts as level: 1e-6 rad lifts the edge of a metre-wide punch by 1 um.
 const UPRIGHT_SINE: f32 = 1.0e-6;
 
-/// Below this cosine a cylinder counts as lying: the slice is the chord times the length.
-const LYING_COSINE: f32 = 1.0e-4;
-
-fn of_cylinder(centre: Vec3, half_height: f32, radius: f32, d: Vec3, z: f32) -> Slice {
-    let tilt = Tilt::of(d);
-    let end = centre - tilt.axis * half_height;
-    if tilt.sin <= UPRIGHT_SINE {
-        return Slice { area: PI * radius * radius, centroid: end + tilt.axis * z };
+/// A level end is a disc; all else by quadrature.
+fn of_cylinder(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
+    let trunk = Trunk { tip_radius: radius, growth: 0.0, height, start: Vec3::Z * (-0.5 * height) };
+    if root(d.x * d.x + d.y * d.y) <= UPRIGHT_SINE {
+        let end = Vec3::Z * if d.z > 0.0 { 0.5 * height } else { -0.5 * height };
+        return Slice::round(PI * radius * radius, end - d * z);
     }
-    let height = z - radius * tilt.sin; // of the slice above the lower end's centre
-    let lower = clamp((height - 2.0 * half_height * tilt.cos) / (tilt.sin * radius), -1.0, 1.0);
-    let upper = clamp(height / (tilt.sin * radius), -1.0, 1.0);
-    if tilt.cos < LYING_COSINE {
-        let chord = 2.0 * radius * root(1.0 - upper * upper);
-        let centroid = end + tilt.axis * half_height + tilt.across * (upper * radius);
-        return Slice { area: chord * 2.0 * half_height, centroid };
-    }
-    let (low, high) = (asin(lower), asin(upper));
-    let covered = (high + sin(high) * cos(high)) - (low + sin(low) * cos(low));
-    let cubes = cos(low) * cos(low) * cos(low) - cos(high) * cos(high) * cos(high);
-    let y = if covered > 1.0e-12 { radius * (2.0 / 3.0) * cubes / covered } else { upper * radius };
-    let along = clamp((height - y * tilt.sin) / tilt.cos, 0.0, 2.0 * half_height);
-    Slice { area: radius * radius * covered / tilt.cos, centroid: end + tilt.axis * along + tilt.across * y }
+    trunk.cut(support(&ProbeShape::Cylinder { radius, height }, d), d, z)
 }
 
 /// A cone whose tip is lowest and whose slice stays inside it is cut in an ellipse; a level base in a disc; all else by quadrature.
@@ -91,60 +90,87 @@ fn of_cone(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let (cos_tilt, sin_tilt) = (-d.z, root(d.x * d.x + d.y * d.y));
     if sin_tilt <= UPRIGHT_SINE && cos_tilt < 0.0 {
         let share = max(1.0 - z / height, 0.0);
-        return Slice { area: PI * radius * radius * share * share, centroid: Vec3::Z * (0.25 * height - z) };
+        return Slice::round(PI * radius * radius * share * share, Vec3::Z * (0.25 * height - z));
     }
     // height of the lowest point of the base rim above the tip
     let rim = height * cos_tilt - radius * sin_tilt;
     if rim <= z || cos_tilt * cos_half <= sin_tilt * sin_half {
-        return of_cone_cut(radius, height, d, z);
+        let trunk = Trunk { tip_radius: 0.0, growth: radius / height, height, start: Vec3::Z * (-0.75 * height) };
+        return trunk.cut(support(&ProbeShape::Cone { radius, height }, d), d, z);
     }
     let spread = cos_tilt * cos_tilt - sin_half * sin_half;
     let area = PI * z * z * sin_half * sin_half * cos_half / (spread * root(spread));
     let horizontal = if sin_tilt > 0.0 { (Vec3::Z - d * d.z) / sin_tilt } else { Vec3::ZERO };
     let centre = z * sin_tilt * cos_tilt / spread;
-    Slice { area, centroid: Vec3::Z * (-0.75 * height) - d * z + horizontal * centre }
+    // semi-axes z sin(half) cos(half) / spread and z sin(half) / sqrt(spread)
+    Slice::new(area, Vec3::Z * (-0.75 * height) - d * z + horizontal * centre, (cos_half / spread, 1.0 / root(spread)))
 }
 
-/// Places of the quadrature along the axis; the chord's square-root ends are taken up by the sine.
-const CONE_PLACES: usize = 8;
+/// Six-point Gauss rule on 0..1, for the angle that takes up the square-root ends of a chord.
+const GAUSS_6: [(f32, f32); 6] = [
+    (0.033_765_24, 0.085_662_246),
+    (0.169_395_31, 0.180_380_79),
+    (0.380_690_4, 0.233_956_97),
+    (0.619_309_6, 0.233_956_97),
+    (0.830_604_7, 0.180_380_79),
+    (0.966_234_74, 0.085_662_246),
+];
 
-/// Area = 1/sin(tilt) x integral over the axis of the chord of each circle (theory.md, section 3).
-fn of_cone_cut(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
-    let (cos_tilt, sin_tilt) = (-d.z, max(root(d.x * d.x + d.y * d.y), UPRIGHT_SINE));
-    let across = (-d - Vec3::Z * cos_tilt) / sin_tilt;
-    let level = z - support(&ProbeShape::Cone { radius, height }, d).dot(d) + 0.75 * height * cos_tilt; // above the tip
-    // circle at t above the tip has radius g t; the plane passes (level - t cos) / sin from its centre
-    let g = radius / height;
-    let (lean, rise) = (g * sin_tilt, cos_tilt);
-    let first = clamp(crossing(level, rise + lean), 0.0, height);
-    let last = if rise - lean > 0.0 {
-        clamp(level / (rise - lean), 0.0, height)
-    } else if level > 0.0 {
-        height
-    } else {
-        clamp(crossing(level, rise - lean), 0.0, height)
-    };
-    let (low, high) = (min(first, last), if first < last { last } else { height });
-    let (mut area, mut along, mut up) = (0.0, 0.0, 0.0);
-    for i in 0..CONE_PLACES {
-        let angle = PI * ((i as f32 + 0.5) / CONE_PLACES as f32 - 0.5);
-        let t = 0.5 * (low + high) + 0.5 * (high - low) * sin(angle);
-        let y = (level - t * rise) / sin_tilt;
-        let strip = 2.0 * root(g * g * t * t - y * y) * 0.5 * (high - low) * cos(angle) * (PI / CONE_PLACES as f32) / sin_tilt;
-        area += strip;
-        along += strip * t;
-        up += strip * y;
+/// A stack of circles along +z whose radius grows evenly: cylinder and cone.
+struct Trunk {
+    tip_radius: f32,
+    /// Growth of the radius per length.
+    growth: f32,
+    height: f32,
+    /// Centre of the first circle (part frame).
+    start: Vec3,
+}
+
+impl Trunk {
+    /// Slice at height `z` above the deepest point `lowest`: area = 1/sin(tilt) x integral over the axis of the chord of each circle.
+    fn cut(&self, lowest: Vec3, d: Vec3, z: f32) -> Slice {
+        let (rise, sine) = (-d.z, max(root(d.x * d.x + d.y * d.y), UPRIGHT_SINE));
+        let across = (-d - Vec3::Z * rise) / sine;
+        // height of the plane above the first circle's centre
+        let level = z - (lowest - self.start).dot(d);
+        let (low, high) = self.span(level, rise, sine);
+        let (mut area, mut along, mut up, mut widest) = (0.0, 0.0, 0.0, 0.0);
+        for (share, weight) in GAUSS_6 {
+            let angle = PI * (share - 0.5);
+            let t = 0.5 * (low + high) + 0.5 * (high - low) * sin(angle);
+            let y = (level - t * rise) / sine;
+            let radius = self.tip_radius + self.growth * t;
+            let chord = 2.0 * root((radius - y) * (radius + y));
+            let strip = chord * 0.5 * (high - low) * cos(angle) * PI * weight / sine;
+            (area, along, up, widest) = (area + strip, along + strip * t, up + strip * y, max(widest, chord));
+        }
+        if area <= 0.0 {
+            return Slice::round(0.0, lowest - d * z);
+        }
+        let centroid = self.start + Vec3::Z * (along / area) + across * (up / area);
+        Slice::new(area, centroid, ((high - low) / sine, widest))
     }
-    if area <= 0.0 {
-        return Slice { area: 0.0, centroid: support(&ProbeShape::Cone { radius, height }, d) - d * z };
+
+    /// Where on 0..=height the plane meets the circles: |level - rise t| <= sine (tip_radius + growth t).
+    fn span(&self, level: f32, rise: f32, sine: f32) -> (f32, f32) {
+        let (lean, reach) = (sine * self.growth, sine * self.tip_radius);
+        let (mut low, mut high) = (0.0, self.height);
+        for (slope, wanted) in [(rise + lean, level - reach), (lean - rise, -level - reach)] {
+            // wanted <= slope t
+            if slope > FLAT {
+                low = max(low, wanted / slope);
+            } else if slope < -FLAT {
+                high = min(high, wanted / slope);
+            } else if wanted > 0.0 {
+                return (0.0, 0.0);
+            }
+        }
+        (low, max(low, high))
     }
-    Slice { area, centroid: Vec3::Z * (along / area - 0.75 * height) + across * (up / area) }
 }
 
-/// Where a line of slope `slope` reaches `level`; far away where it is flat.
-fn crossing(level: f32, slope: f32) -> f32 {
-    if slope.abs() > 1.0e-9 { level / slope } else { f32::MAX }
-}
+/// A slope below this reaches nothing within the largest part.
+const FLAT: f32 = 1.0e-9;
 
 fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let tilt = Tilt::of(d);
@@ -165,10 +191,11 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let far = disc(length);
     let stadium = 0.5 * cap + strip + 0.5 * PI * far * far;
     if stadium <= cap {
-        return Slice { area: cap, centroid: end + d * (radius - z) };
+        return Slice::round(cap, end + d * (radius - z));
     }
     let along = (moment + 0.5 * PI * far * far * length) / stadium;
-    Slice { area: stadium, centroid: end + tilt.axis * along + d * (along * tilt.cos + radius - z) }
+    let centroid = end + tilt.axis * along + d * (along * tilt.cos + radius - z);
+    Slice::new(stadium, centroid, (disc(0.0) + length * tilt.sin + far, 2.0 * disc(0.0)))
 }
 
 /// Corners a slice of a box may have while it is clipped: a square and one more for each of six cuts.
@@ -215,6 +242,21 @@ impl Polygon {
         }
         if twice <= 0.0 { (0.0, origin) } else { (0.5 * twice, origin + moment / (3.0 * twice)) }
     }
+
+    /// Square roots of the principal second moments about `centre`: their ratio is that of the sides of a rectangle.
+    fn extents(&self, centre: Vec2) -> (f32, f32) {
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (i, &here) in self.corners.iter().enumerate() {
+            let (u, v) = (here - centre, self.corners[(i + 1) % self.corners.len()] - centre);
+            let cross = u.perp_dot(v);
+            xx += cross * (u.x * u.x + u.x * v.x + v.x * v.x);
+            yy += cross * (u.y * u.y + u.y * v.y + v.y * v.y);
+            xy += cross * (u.x * u.y + v.x * v.y + 0.5 * (u.x * v.y + u.y * v.x));
+        }
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let spread = root(half * half + xy * xy);
+        (root(mean + spread), root(mean - spread))
+    }
 }
 
 fn of_box(half: Vec3, d: Vec3, z: f32) -> Slice {
@@ -231,7 +273,8 @@ fn of_box(half: Vec3, d: Vec3, z: f32) -> Slice {
         polygon = polygon.clip(n, h - offset).clip(-n, h + offset);
     }
     let (area, at) = polygon.area_and_centroid();
-    if area > 0.0 { Slice { area, centroid: centre + e1 * at.x + e2 * at.y } } else { Slice { area, centroid: foot } }
+    let extents = polygon.extents(at);
+    if area > 0.0 { Slice::new(area, centre + e1 * at.x + e2 * at.y, extents) } else { Slice::round(area, foot) }
 }
 
 fn sign(x: f32) -> f32 {

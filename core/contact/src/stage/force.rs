@@ -28,7 +28,7 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
     }
     let mut flags = Flags::CLEAN;
     for patch in patches.iter_mut() {
-        patch.body = body::compliance(model, patch.centre, patch.normal, patch.footprint.radius);
+        patch.body = body::compliance(model, patch.at_rest(), patch.normal, patch.footprint.radius);
         if patch.footprint.large_strain {
             flags |= Flags::LARGE_STRAIN;
         }
@@ -60,7 +60,7 @@ fn footprint(model: &Model<'_>, params: &Params, contacts: &[Contact], patch: &P
         }
         footprint
     };
-    in_series(at_depth, free, body::normal(model, patch.centre, patch.normal))
+    in_series(at_depth, free, body::normal(model, patch.at_rest(), patch.normal))
 }
 
 /// Halvings that share the depth between contact and body: 2^-20 of the depth.
