@@ -10,16 +10,16 @@ use crate::rt::pace::Follow;
 use crate::rt::policy::RtPolicy;
 use crate::rt::stale::{FADE_TICKS, HOLD_TICKS, StaleRule};
 
-/// Slowest rate [Hz]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
+/// Slowest rate \[Hz\]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
 pub const RATE_MIN_HZ: u32 = 100;
 
-/// Fastest rate [Hz]: the micro-frames of high-speed USB.
+/// Fastest rate \[Hz\]: the micro-frames of high-speed USB.
 pub const RATE_MAX_HZ: u32 = 8000;
 
-/// Longest hold and fade [ticks]: a tenth of a second at the default rate, after which a hand feels a wall that is not there.
+/// Longest hold and fade \[ticks\]: a tenth of a second at the default rate, after which a hand feels a wall that is not there.
 pub const STALE_MAX_TICKS: u32 = 100;
 
-/// Longest session [s]: a month.
+/// Longest session \[s\]: a month.
 pub const SECONDS_MAX: f64 = 2.7e6;
 
 /// The arguments of `haptor-host`.

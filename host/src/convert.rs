@@ -26,7 +26,7 @@ const PATCHES: usize = contact::MAX_PARTS;
 /// Samples per region for which there is memory. Four times the default; beyond, a step takes longer than a tick may.
 pub const SAMPLES: usize = 256;
 
-/// Time in which the guard lets the wrench go from zero to the device's limit [s]: fast for a hand, slow for a motor.
+/// Time in which the guard lets the wrench go from zero to the device's limit \[s\]: fast for a hand, slow for a motor.
 const FULL_SCALE_S: f32 = 0.02;
 
 /// Why a baked scene cannot be run.

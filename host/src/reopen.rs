@@ -1,6 +1,7 @@
 //! The thread that closes dead links and opens new ones.
 //!
-//! Opening allocates and may block for seconds, so the real-time thread hands its dead link over and goes on at zero wrench.
+//! Opening allocates and may block for seconds, so the real-time thread hands its dead link over and goes on at zero wrench. A device
+//! that was given as a bare pseudo-terminal is not opened again: see [`Address::comes_back`].
 
 use std::thread;
 use std::time::Duration;
@@ -16,7 +17,9 @@ pub fn run(mut opener: Opener, device: &Address) {
     while !opener.dead.is_abandoned() {
         if let Ok(dead) = opener.dead.pop() {
             drop(dead);
-            reopen(&mut opener, device);
+            if device.comes_back() {
+                reopen(&mut opener, device);
+            }
         }
         thread::sleep(RETRY);
     }
@@ -31,5 +34,35 @@ fn reopen(opener: &mut Opener, device: &Address) {
             return;
         }
         thread::sleep(RETRY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rt::clock::{Clock, Monotonic};
+    use crate::rt::line::{Arrivals, Line, exchange};
+    use std::net::TcpListener;
+
+    /// Looks until `done`; a device on loopback is there at once, so the limit only ends a test that fails.
+    fn until(line: &mut Line, done: impl Fn(&Arrivals) -> bool) -> bool {
+        (0..2_000).any(|_| done(&line.gather(&Monotonic, Monotonic.now_ns() + 5_000_000)))
+    }
+
+    #[test]
+    fn a_device_that_goes_and_comes_back_is_found_again_and_the_thread_ends_with_the_loop() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let device = Address::Tcp(listener.local_addr().unwrap());
+        let (links, opener) = exchange();
+        let mut line = Line::new(open(&device).unwrap(), links);
+        thread::scope(|scope| {
+            scope.spawn(|| run(opener, &device));
+            for _ in 0..3 {
+                drop(listener.accept().unwrap());
+                assert!(until(&mut line, |got| got.lost));
+                assert!(until(&mut line, |got| got.reopened));
+            }
+            drop(line);
+        });
     }
 }

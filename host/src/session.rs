@@ -57,9 +57,8 @@ impl Outcome {
 pub fn run(config: &Config) -> Result<Outcome, HostError> {
     let (scene, digest) = read_scene(config)?;
     let link = open(&config.device)?;
-    let recorder = Recorder::create(header(config, digest), config.record.clone(), config.black_box.clone())?;
     let stop = stop_on_signals()?;
-    thread::scope(|scope| supervise(scope, config, &scene, link, recorder, &stop))
+    thread::scope(|scope| supervise(scope, config, &scene, link, digest, &stop))
 }
 
 fn read_scene(config: &Config) -> Result<(Scene, u64), HostError> {
@@ -88,30 +87,39 @@ fn stop_on_signals() -> Result<Arc<AtomicBool>, HostError> {
     Ok(stop)
 }
 
-/// Starts the threads, waits for the real-time thread, and ends the others with its summary.
+/// Starts the threads, waits for the real-time thread, and ends the others with its summary. Files are created once the real-time
+/// thread has its rights, so that a start that is refused touches none.
 fn supervise<'scope>(
     scope: &'scope Scope<'scope, '_>,
     config: &'scope Config,
     scene: &'scope Scene,
     link: AnyLink,
-    recorder: Recorder,
+    scene_digest: u64,
     stop: &'scope AtomicBool,
 ) -> Result<Outcome, HostError> {
     let (links, opener) = exchange();
     let (black_box, dumps) = black_box();
     let (account, readers) = Account::new(black_box);
     let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
+    let (ready, is_ready) = mpsc::channel();
     let (news, records) = (readers.news, readers.records);
     start(scope, "reopen", move || reopen::run(opener, &config.device))?;
     let status = start(scope, "status", move || status::run(config.status, config.rate_hz, news, &status_end))?;
-    let recorder = start(scope, "recorder", move || recorder.run(records, dumps, &recorder_end))?;
-    let real_time = start(scope, "real-time", move || real_time(config, scene, link, links, account, stop))?;
+    let real_time = start(scope, "real-time", move || real_time(config, scene, link, links, account, &ready, stop))?;
+    if is_ready.recv().is_err() {
+        // it ended before it was ready: it says why
+        join("real-time", real_time)??;
+        return Err(HostError::Panicked { name: "real-time" });
+    }
+    let recorder = Recorder::create(header(config, scene_digest), config.record.clone(), config.black_box.clone());
+    let recorder = recorder.and_then(|recorder| start(scope, "recorder", move || recorder.run(records, dumps, &recorder_end)));
+    stop.fetch_or(recorder.is_err(), Ordering::Relaxed);
 
     let (summary, mismatch) = join("real-time", real_time)??;
     // a thread that is gone has said why; it does not change how the session went
     let _ = tell_recorder.send(summary);
     let _ = tell_status.send(summary);
-    let written = join("recorder", recorder)?;
+    let written = join("recorder", recorder?)?;
     join("status", status)?;
     Ok(Outcome { summary, mismatch, written })
 }
@@ -123,6 +131,7 @@ fn real_time(
     link: AnyLink,
     links: Exchange,
     account: Account,
+    ready: &mpsc::Sender<()>,
     stop: &AtomicBool,
 ) -> Result<(Summary, Option<VersionMismatch>), HostError> {
     let core = scene.core().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
@@ -136,6 +145,8 @@ fn real_time(
         rt: obtained.report,
     };
     let mut control = Control::new(settings, Monotonic, line, core, account);
+    // a supervisor that is gone will not be served better by stopping here
+    let _ = ready.send(());
     control.run(stop);
     Ok((control.summary(obtained.report), control.mismatch()))
 }

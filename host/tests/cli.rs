@@ -119,6 +119,29 @@ fn a_device_that_is_not_there_exits_1_and_is_named() {
     assert!(!PathBuf::from(record).exists());
 }
 
+#[test]
+fn a_start_that_is_refused_leaves_an_older_recording_alone() {
+    let folder = Folder::new("refused");
+    let (model, record) = (folder.model(Tier::Point), folder.file("s.rec", b"older"));
+    let (device, served) = strange_device(b"");
+    // no machine has a CPU of that number
+    let output = host(&[&model, "--device", &device, "--rt", "enforce", "--cpu", "1023", "--record", &record]);
+    drop(served.join());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("real-time start refused: "), "{}", stderr(&output));
+    assert_eq!(fs::read(record).unwrap(), b"older");
+}
+
+#[test]
+fn a_recording_that_cannot_be_created_ends_the_session() {
+    let folder = Folder::new("unwritable");
+    let (model, device) = (folder.model(Tier::Point), strange_device(b""));
+    let output = host(&[&model, "--device", &device.0, "--rt", "ignore", "--record", "/no-such-folder/s.rec"]);
+    drop(device.1.join());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("cannot create the recording /no-such-folder/s.rec: "), "{}", stderr(&output));
+}
+
 /// A device that takes the connection, keeps it for a while and says `words`.
 fn strange_device(words: &'static [u8]) -> (String, std::thread::JoinHandle<Option<TcpStream>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -48,8 +48,11 @@ fn kick(rig: &mut Rig) {
     rig.far().device.kick([0.0, 0.0, 2.0]);
 }
 
+/// Something that happens to cable or device.
+type Drill = fn(&mut Rig);
+
 /// What to do to a pressing session, what it is called, within how many ticks the wrench is zero.
-const DRILLS: [(&str, fn(&mut Rig), HostFault, u32); 5] = [
+const DRILLS: [(&str, Drill, HostFault, u32); 5] = [
     ("cut", cut, HostFault::LinkLost, 2),
     ("stall", stall, HostFault::Stale, ZERO_AFTER + 1),
     ("noise", noise, HostFault::Garbage, ZERO_AFTER + 1),

@@ -21,6 +21,16 @@ pub enum Address {
     Usb(Option<String>),
 }
 
+impl Address {
+    /// Whether opening it again after a loss reaches the same device. A pseudo-terminal that died never comes back: its number goes
+    /// to the next program that asks, which may be somebody's shell. One that is named by a symbolic link is vouched for by whoever
+    /// keeps the link.
+    #[must_use]
+    pub fn comes_back(&self) -> bool {
+        !matches!(self, Self::Serial(path) if path.starts_with("/dev/pts"))
+    }
+}
+
 impl FromStr for Address {
     type Err = String;
 
@@ -80,6 +90,15 @@ mod tests {
     fn addresses_read_as_they_print() {
         for text in ["serial:/dev/ttyACM0", "tcp:127.0.0.1:4000", "usb", "usb:A17"] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn a_bare_pseudo_terminal_does_not_come_back() {
+        for (text, expected) in
+            [("serial:/dev/pts/3", false), ("serial:/dev/ttyACM0", true), ("serial:/tmp/device", true), ("usb", true)]
+        {
+            assert_eq!(text.parse::<Address>().unwrap().comes_back(), expected, "{text}");
         }
     }
 

@@ -16,7 +16,7 @@ const RECORDS_WAITING: usize = 4096;
 /// News that the status thread may fall behind.
 const NEWS_WAITING: usize = 64;
 
-/// Time between two progress messages [ns]: a progress bar wants no more.
+/// Time between two progress messages \[ns\]: a progress bar wants no more.
 const PROGRESS_EVERY_NS: u64 = 100_000_000;
 
 /// The other ends of the queues.

@@ -6,7 +6,7 @@
 use haptor_wire::Quantiles;
 use hdrhistogram::Histogram;
 
-/// Longest duration told apart [ns]. What takes four seconds or more is counted in the last bin; `max` is exact up to u32.
+/// Longest duration told apart \[ns\]. What takes four seconds or more is counted in the last bin; `max` is exact up to u32.
 const LONGEST_NS: u64 = 4_000_000_000;
 
 /// Digits kept: a bin is 1 % of its value wide, finer than two runs on one machine agree.
@@ -45,7 +45,7 @@ impl Durations {
         self.bins.len()
     }
 
-    /// Quantiles [ns]: upper edges of bins, but no more than the largest seen, which is exact. All 0 when nothing was counted.
+    /// Quantiles \[ns\]: upper edges of bins, but no more than the largest seen, which is exact. All 0 when nothing was counted.
     #[must_use]
     pub fn quantiles(&self) -> Quantiles {
         let at = |share: f64| to_u32(self.bins.value_at_quantile(share).min(self.max_ns));

@@ -11,7 +11,7 @@
 //!
 //! Promised after start-up: the thread allocates nothing, takes no lock, builds no text, and asks the system for nothing but the
 //! time, sleep, and its link (poll, read, write). Everything else, files, terminals, opening ports, lives on ordinary threads
-//! behind bounded queues ([`account`], [`blackbox`], [`line`]) that drop and count. A test holds the first of these with a counting
+//! behind bounded queues ([`account`], [`blackbox`], [`mod@line`]) that drop and count. A test holds the first of these with a counting
 //! allocator; libusb's own allocations in C on a USB link are outside it ([`crate::link`]).
 //!
 //! A tick cannot fail. What goes wrong becomes a fault: the wrench goes to zero, at once or by the stale rule ([`stale`]), the

@@ -22,7 +22,7 @@ pub struct Slot {
     pub tick: u64,
     /// Periods that went by without a tick, since the tick before.
     pub slept_through: u64,
-    /// How late the thread was [ns].
+    /// How late the thread was \[ns\].
     pub wake_ns: u64,
     /// Until when to wait for a pose.
     pub receive_until_ns: u64,

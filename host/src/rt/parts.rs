@@ -18,7 +18,7 @@ use super::stale::{Offer, SMALL_FORCE, SMALL_TORQUE, Served, StaleRule};
 use crate::convert::{Felt, command, handle_pose};
 use crate::frames::DeviceBase;
 
-/// Time a device has to answer and to reach force mode [s]; after it the session ends before it began.
+/// Time a device has to answer and to reach force mode \[s\]; after it the session ends before it began.
 const CONNECT_S: u64 = 3;
 
 /// What a run is told once.
@@ -37,13 +37,13 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Length of a tick [ns].
+    /// Length of a tick \[ns\].
     #[must_use]
     pub const fn period_ns(&self) -> u64 {
         1_000_000_000 / self.rate_hz as u64
     }
 
-    /// Length of a tick [us].
+    /// Length of a tick \[us\].
     #[must_use]
     pub const fn period_us(&self) -> u32 {
         1_000_000 / self.rate_hz
@@ -53,7 +53,7 @@ impl Settings {
 /// What one tick remembers for the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Memory {
-    /// First tick of the session and when it was [ns].
+    /// First tick of the session and when it was \[ns\].
     session: Option<(u64, u64)>,
     /// Number of the last command.
     seq: u32,

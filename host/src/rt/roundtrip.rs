@@ -11,7 +11,7 @@ pub struct RoundTrips {
     sent_ns: [u64; IN_FLIGHT],
     newest: u32,
     echoed: u32,
-    /// The last one measured [ns]; 0 = none since it was asked for.
+    /// The last one measured \[ns\]; 0 = none since it was asked for.
     last_ns: u32,
     durations: Durations,
 }
@@ -58,7 +58,7 @@ impl RoundTrips {
         self.echoed = self.newest;
     }
 
-    /// The newest one measured since this was last asked [ns]; 0 = none.
+    /// The newest one measured since this was last asked \[ns\]; 0 = none.
     pub fn take_last_ns(&mut self) -> u32 {
         std::mem::take(&mut self.last_ns)
     }

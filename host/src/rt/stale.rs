@@ -42,10 +42,10 @@ impl StaleRule {
     }
 }
 
-/// Contact force under which the output may open again [N]: what a hand barely notices, 1 % of a desktop device's range.
+/// Contact force under which the output may open again \[N\]: what a hand barely notices, 1 % of a desktop device's range.
 pub const SMALL_FORCE: f32 = 0.1;
 
-/// Contact torque under which the output may open again [N m]: likewise.
+/// Contact torque under which the output may open again \[N m\]: likewise.
 pub const SMALL_TORQUE: f32 = 0.002;
 
 /// Ticks in a row of small wrench before the output opens: longer than a bounce.
