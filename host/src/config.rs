@@ -129,20 +129,7 @@ impl Config {
     /// # Errors
     /// [`HostError::Argument`] names the first that is out of range.
     pub fn new(args: Args) -> Result<Self, HostError> {
-        let out_of_range = |name, value: String, allowed| HostError::Argument { name, value, allowed };
-        if !(RATE_MIN_HZ..=RATE_MAX_HZ).contains(&args.rate) {
-            return Err(out_of_range("--rate", args.rate.to_string(), "100 to 8000 Hz"));
-        }
-        if let Some(seconds) = args.seconds
-            && !(seconds > 0.0 && seconds <= SECONDS_MAX)
-        {
-            return Err(out_of_range("--seconds", seconds.to_string(), "above 0 to 2.7e6 s"));
-        }
-        for (name, ticks) in [("--hold", args.hold), ("--fade", args.fade)] {
-            if !(1..=STALE_MAX_TICKS).contains(&ticks) {
-                return Err(out_of_range(name, ticks.to_string(), "1 to 100 ticks"));
-            }
-        }
+        check(&args)?;
         let beside = |record: &PathBuf| {
             let mut name = record.clone().into_os_string();
             name.push(".blackbox");
@@ -169,6 +156,24 @@ impl Config {
             status: args.status,
         })
     }
+}
+
+fn check(args: &Args) -> Result<(), HostError> {
+    let out_of_range = |name, value: String, allowed| HostError::Argument { name, value, allowed };
+    if !(RATE_MIN_HZ..=RATE_MAX_HZ).contains(&args.rate) {
+        return Err(out_of_range("--rate", args.rate.to_string(), "100 to 8000 Hz"));
+    }
+    if let Some(seconds) = args.seconds
+        && !(seconds > 0.0 && seconds <= SECONDS_MAX)
+    {
+        return Err(out_of_range("--seconds", seconds.to_string(), "above 0 to 2.7e6 s"));
+    }
+    for (name, ticks) in [("--hold", args.hold), ("--fade", args.fade)] {
+        if !(1..=STALE_MAX_TICKS).contains(&ticks) {
+            return Err(out_of_range(name, ticks.to_string(), "1 to 100 ticks"));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
