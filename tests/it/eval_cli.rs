@@ -75,6 +75,24 @@ fn options_take_the_place_of_the_scene() {
 }
 
 #[test]
+fn flags_of_the_guard_show_only_with_the_guard() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().join("inside.csv");
+    fs::write(&inside, "t,px,py,pz,qw,qx,qy,qz\n0,0,0,0.119,1,0,0,0\n0.001,0,0,0.119,1,0,0,0\n").unwrap();
+    let flags = |more: &[&str]| {
+        let table = said(&[&["eval", scene().to_str().unwrap(), inside.to_str().unwrap()], more].concat());
+        let table = String::from_utf8(table).unwrap();
+        table.lines().skip(1).map(|row| row.split(',').nth(12).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(flags(&[]), ["0", "0"]);
+    let ramping = haptor_contact::Flags::RAMPING_IN.0;
+    for flags in flags(&["--guard"]) {
+        let bits = u32::from_str_radix(flags.trim_start_matches("0x"), 16).unwrap();
+        assert_eq!(bits & ramping, ramping, "{flags}");
+    }
+}
+
+#[test]
 fn the_shipped_trajectory_is_what_the_tool_writes() {
     assert_eq!(said(&["trajectory", "press-twist-slide"]), fs::read(trajectory()).unwrap());
 }
