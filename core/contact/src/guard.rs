@@ -64,8 +64,8 @@ pub(crate) fn guard(spec: &GuardSpec, state: &mut GuardState, contact: &Wrench<W
         wanted = Wrench::ZERO;
         flags |= Flags::NON_FINITE;
     }
-    if state.ramp < 1.0 {
-        state.ramp = if spec.ramp_in > 0.0 { min(state.ramp + dt / spec.ramp_in, 1.0) } else { 1.0 };
+    if state.ramp < 1.0 && spec.ramp_in > 0.0 {
+        state.ramp = min(state.ramp + dt / spec.ramp_in, 1.0);
         wanted = Wrench::new(wanted.force * state.ramp, wanted.torque * state.ramp);
         flags |= Flags::RAMPING_IN;
     }

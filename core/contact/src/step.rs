@@ -49,24 +49,39 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     let State { memory, patches, samples } = state;
     let (now, mut flags) = accept(memory, &input);
     let Some(now) = now else { return refused(params, memory, patches, input.dt, flags) };
-    let first = memory.last_pose.is_none();
-
     if is_still(params, memory, &now) {
         return finish(params, memory, patches, memory.contact, input.dt, memory.flags);
     }
+    let births = memory.next_serial;
+    // 1 detect
     let left_out = detect::detect(model, &now, &mut scratch.contacts);
     flags |= count_left_out(memory, left_out);
+    // 2 regions
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
+    // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     flags |= force::press(model, params, &scratch.contacts, patches);
+    // 4 torque
     flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now);
+    // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
-    memory.settled_for =
-        if memory.last_pose == Some(now) && !flags.contains(Flags::BIRTH_WAITS) { Some(params.fingerprint) } else { None };
-    (memory.last_pose, memory.flags) = (Some(now), flags);
-    if first && !patches.is_empty() {
+    ramp_if_started_inside(params, memory, patches);
+    remember(params, memory, now, births, flags);
+    // 7 guard
+    finish(params, memory, patches, memory.contact, input.dt, flags)
+}
+
+/// The first pose of a session may lie inside the object: its wrench is then let in slowly.
+fn ramp_if_started_inside(params: &Params, memory: &mut Memory, patches: &[Patch]) {
+    if memory.last_pose.is_none() && !patches.is_empty() && params.guard.ramp_in > 0.0 {
         memory.guard.ramp = 0.0;
     }
-    finish(params, memory, patches, memory.contact, input.dt, flags)
+}
+
+/// Keeps the pose, and whether the next tick may rest on this one.
+fn remember(params: &Params, memory: &mut Memory, now: Pose<World, ProbeFrame>, births: u32, flags: Flags) {
+    let quiet = memory.last_pose == Some(now) && memory.next_serial == births && !flags.contains(Flags::BIRTH_WAITS);
+    memory.settled_for = if quiet { Some(params.fingerprint) } else { None };
+    (memory.last_pose, memory.flags) = (Some(now), flags);
 }
 
 /// A quasi-static contact whose pose did not change for two ticks stays as it is, to the bit, as long as the parameters do.

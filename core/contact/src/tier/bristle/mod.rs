@@ -81,11 +81,20 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(hold, patch, bristles);
     }
-    let before = patch.grip;
     patch.grid.fit(layout, hold.radius, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
-    grid::thin(layout, &rings, bristles, 1.0 - rolled_away(patch.motion.rolled, hold.radius));
-    let wanted = Shift { drag: hold.target.drag - patch.local.drag, twist: hold.target.twist - patch.local.twist };
+    let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
+    grid::thin(layout, &rings, bristles, kept);
+    // traction that left with the rolling material is gone for the contact; only the body springs back by it
+    let before = Grip { force: patch.grip.force * kept, torque: patch.grip.torque * kept, stick: patch.grip.stick };
+    let sprung = Shift {
+        drag: (patch.grip.force - before.force) * hold.body.drag,
+        twist: (patch.grip.torque - before.torque) * hold.body.twist,
+    };
+    let wanted = Shift {
+        drag: hold.target.drag - patch.local.drag + sprung.drag,
+        twist: hold.target.twist - patch.local.twist + sprung.twist,
+    };
     let answer = slip::shift(hold, layout, &rings, bristles, &common(hold), wanted, &before);
     // `local` is the part of the target that has been taken up, so that what is left is carried on and nothing drifts
     patch.local = Shift { drag: hold.target.drag - answer.rest.drag, twist: hold.target.twist - answer.rest.twist };
