@@ -82,10 +82,12 @@ pub struct Patch {
     pub previous: Footprint,
     /// Compliance of the body at the patch.
     pub body: Compliance,
-    /// Shift since birth.
+    /// Shift since birth; what a tier counts on is `motion` and `pending`, which do not lose digits after a thousand turns.
     pub total: Shift,
-    /// The part of it that the local contact took.
-    pub local: Shift,
+    /// Shift that contact and body have not yet taken up: what the last tick's few passes left.
+    pub pending: Shift,
+    /// Drag of the body under this patch by the others, as of the last tick, in c \[m\].
+    pub ridden: Vec2,
     /// Motion of this tick.
     pub motion: Motion,
     /// Present grip.
@@ -115,7 +117,8 @@ impl Patch {
             previous: Footprint::NONE,
             body: Compliance::default(),
             total: Shift::default(),
-            local: Shift::default(),
+            pending: Shift::default(),
+            ridden: Vec2::ZERO,
             motion: Motion::default(),
             grip: Grip { stick: 1.0, ..Grip::default() },
             point: PointMemory::default(),

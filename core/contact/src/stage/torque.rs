@@ -33,6 +33,7 @@ pub fn hold(
         dragged -= patch.to_world(patch.grip.force);
         let ridden = patch.to_patch(dragged) * patch.body.drag;
         let hold = Hold::new(model, params, patch, ridden);
+        patch.ridden = ridden;
         if params.tier == Tier::Point {
             point::advance(&hold, patch);
         } else {

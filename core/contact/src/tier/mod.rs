@@ -33,8 +33,8 @@ pub struct Hold {
     pub sharp: bool,
     /// Compliance of the body in series.
     pub body: Compliance,
-    /// Shift the contact and its share of the body must take since birth.
-    pub target: Shift,
+    /// Shift that contact and body must take up in this tick.
+    pub wanted: Shift,
 }
 
 /// Loss of twist stiffness on a convex body of radius R_e: K = K_half_space (1 - 0.735 a/R_e), good to 0.2 % up to a/R_e = 0.3.
@@ -44,7 +44,7 @@ const CONVEX_LOSS: f32 = 0.735;
 const LARGEST_RATIO: f32 = 0.9;
 
 impl Hold {
-    /// Collects the figures of `patch`; `ridden` is the drag the body already has from other patches \[m\].
+    /// Collects the figures of `patch`; `ridden` is the drag the body has from the other patches \[m\].
     pub fn new(model: &Model<'_>, params: &Params, patch: &Patch, ridden: Vec2) -> Self {
         let g = model.material.shear_modulus();
         let a = patch.footprint.radius;
@@ -59,7 +59,10 @@ impl Hold {
             mu_d: params.mu_d,
             sharp: params.breakaway == crate::params::Breakaway::Sharp,
             body: patch.body,
-            target: Shift { drag: patch.total.drag - ridden, twist: patch.total.twist },
+            wanted: Shift {
+                drag: patch.motion.step.drag - (ridden - patch.ridden) + patch.pending.drag,
+                twist: patch.motion.step.twist + patch.pending.twist,
+            },
         }
     }
 }

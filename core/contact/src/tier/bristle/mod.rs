@@ -79,7 +79,7 @@ impl Layout {
 /// Advances the patch by its motion of this tick.
 pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [Bristle]) {
     if hold.load <= 0.0 || hold.radius <= 0.0 {
-        return let_go(hold, patch, bristles);
+        return let_go(patch, bristles);
     }
     patch.grid.fit(layout, hold.radius, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
@@ -87,18 +87,11 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     grid::thin(layout, &rings, bristles, kept);
     // traction that left with the rolling material is gone for the contact; only the body springs back by it
     let before = Grip { force: patch.grip.force * kept, torque: patch.grip.torque * kept, stick: patch.grip.stick };
-    let sprung = Shift {
-        drag: (patch.grip.force - before.force) * hold.body.drag,
-        twist: (patch.grip.torque - before.torque) * hold.body.twist,
-    };
-    let wanted = Shift {
-        drag: hold.target.drag - patch.local.drag + sprung.drag,
-        twist: hold.target.twist - patch.local.twist + sprung.twist,
-    };
+    let left = Grip { force: patch.grip.force - before.force, torque: patch.grip.torque - before.torque, stick: 0.0 };
+    let wanted = hold.wanted + Shift { drag: left.force * hold.body.drag, twist: left.torque * hold.body.twist };
     let answer = slip::shift(hold, layout, &rings, bristles, &common(hold), wanted, &before);
-    // `local` is the part of the target that has been taken up, so that what is left is carried on and nothing drifts
-    patch.local = Shift { drag: hold.target.drag - answer.rest.drag, twist: hold.target.twist - answer.rest.twist };
-    patch.grip = answer.grip;
+    // what is left is carried on, so that nothing drifts
+    (patch.grip, patch.pending) = (answer.grip, answer.rest);
 }
 
 /// Common share of the local compliance, with the body in series.
@@ -109,9 +102,9 @@ fn common(hold: &Hold) -> Common {
     }
 }
 
-fn let_go(hold: &Hold, patch: &mut Patch, bristles: &mut [Bristle]) {
+fn let_go(patch: &mut Patch, bristles: &mut [Bristle]) {
     patch.grid = Grid::default();
     bristles.fill(Bristle::default());
-    patch.local = hold.target;
+    patch.pending = Shift::default();
     patch.grip = Grip::default();
 }

@@ -9,10 +9,10 @@ pub mod memory;
 use glam::Vec2;
 
 use crate::math::{clamp, max, min, pow, root};
-use crate::patch::{Grip, Patch};
+use crate::patch::{Grip, Patch, Shift};
 use crate::tier::{Hold, rolled_away};
 use curve::Curve;
-use memory::Memory;
+use memory::{Memory, held};
 
 /// Memory of one patch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,35 +29,36 @@ pub const LIMIT_EXPONENT: f32 = 1.725;
 /// Utilisation above which a patch counts as sliding as a whole. Twist reaches 1 only asymptotically.
 const GROSS_SLIP: f32 = 0.99;
 
-/// Advances the patch to `hold.target`.
+/// Advances the patch by `hold.wanted`.
 pub fn advance(hold: &Hold, patch: &mut Patch) {
     if hold.load <= 0.0 || hold.radius <= 0.0 {
-        return let_go(hold, patch);
+        return let_go(patch);
     }
     let mu = friction(hold, patch.point.slid);
     let (drag, twist) = (Curve::drag(hold, mu), Curve::twist(hold, mu));
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
-    let (force, torque) = (patch.grip.force * kept, Vec2::new(patch.grip.torque * kept, 0.0));
-    patch.point.drag.rebuild(&drag, patch.local.drag, force);
-    patch.point.twist.rebuild(&twist, Vec2::new(patch.local.twist, 0.0), torque);
+    let (force, torque) = (held(&drag, patch.grip.force * kept), held(&twist, Vec2::new(patch.grip.torque * kept, 0.0)));
+    patch.point.drag.rebuild(&drag, force);
+    patch.point.twist.rebuild(&twist, torque);
 
-    let before = patch.local;
-    let force = pull(&drag, &mut patch.point.drag, &mut patch.local.drag, hold.target.drag, hold.body.drag);
-    let mut turned = Vec2::new(patch.local.twist, 0.0);
-    let torque = pull(&twist, &mut patch.point.twist, &mut turned, Vec2::new(hold.target.twist, 0.0), hold.body.twist);
-    patch.local.twist = turned.x;
+    // what the patch lost by rolling and by a smaller load, the body springs back by
+    let sprung =
+        Shift { drag: (patch.grip.force - force) * hold.body.drag, twist: (patch.grip.torque - torque.x) * hold.body.twist };
+    let wanted = hold.wanted + sprung;
+    let dragged = pull(&drag, &mut patch.point.drag, force, wanted.drag, hold.body.drag);
+    let turned = pull(&twist, &mut patch.point.twist, torque, Vec2::new(wanted.twist, 0.0), hold.body.twist);
+    patch.pending = Shift { drag: dragged.pending, twist: turned.pending.x };
 
-    let slid =
-        (patch.local.drag - before.drag).length() / drag.reach() + (patch.local.twist - before.twist).abs() / twist.slope_reach();
-    let (force, torque) = share_budget(&drag, &twist, patch, force, torque);
+    let (force, torque) = share_budget(&drag, &twist, patch, dragged.load, turned.load);
+    let slid = dragged.taken / drag.slope_reach() + turned.taken / twist.slope_reach();
     note_sliding(hold, patch, force.length() / drag.full(), torque.abs() / twist.full(), slid);
-    let stick = patch.point.drag.stick(&drag, patch.local.drag) * patch.point.twist.stick(&twist, turned);
+    let stick = patch.point.drag.stick(&drag) * patch.point.twist.stick(&twist);
     patch.grip = Grip { force, torque, stick };
 }
 
-fn let_go(hold: &Hold, patch: &mut Patch) {
+fn let_go(patch: &mut Patch) {
     patch.point = PointMemory::default();
-    patch.local = hold.target;
+    patch.pending = Shift::default();
     patch.grip = Grip::default();
 }
 
@@ -65,35 +66,43 @@ fn friction(hold: &Hold, slid: f32) -> f32 {
     hold.mu_s - (hold.mu_s - hold.mu_d) * slid
 }
 
-/// Steps of the search for the local share of a shift. The residual is nearly a line over one tick, and what two secants leave of it
-/// is carried on to the next tick, which starts from the true residual.
+/// Steps of the search for the contact's share of a shift. The residual is nearly a line over one tick, and what two secants leave of it
+/// is carried on to the next tick.
 const SERIES_STEPS: usize = 1;
 
-/// Moves `local` towards `target` so that local + C load(local) = target, and returns the load there.
-fn pull(curve: &Curve, memory: &mut Memory, local: &mut Vec2, target: Vec2, compliance: f32) -> Vec2 {
-    let now = memory.load(curve, *local);
-    let rest = target - *local - now * compliance;
-    let length = root(rest.length_squared());
-    if length <= 0.0 {
-        return now;
-    }
-    let along = rest / length;
-    let share = if compliance > 0.0 { local_share(curve, memory, *local, now, rest, compliance) } else { 1.0 };
-    let next = *local + along * (share * length);
-    memory.advance(curve, *local, next);
-    *local = next;
-    memory.load(curve, next)
+/// Answer of [`pull`].
+struct Pulled {
+    load: Vec2,
+    /// Length the contact itself took.
+    taken: f32,
+    /// What is left for the next tick.
+    pending: Vec2,
 }
 
-/// Share of `rest` that the contact takes, by regula falsi (Illinois) on a monotone residual.
-fn local_share(curve: &Curve, memory: &Memory, local: Vec2, now: Vec2, rest: Vec2, compliance: f32) -> f32 {
-    let length = root(rest.length_squared());
-    let along = rest / length;
+/// Shifts contact and body together by `wanted`, from the load `now`: contact's step + C (change of load) = wanted. The curve gives the change
+/// of load only, so that what its inverse rounds away never adds up.
+fn pull(curve: &Curve, memory: &mut Memory, now: Vec2, wanted: Vec2, compliance: f32) -> Pulled {
+    if wanted == Vec2::ZERO {
+        return Pulled { load: now, taken: 0.0, pending: Vec2::ZERO };
+    }
+    let before = memory.load(curve);
+    let share = if compliance > 0.0 { contact_share(curve, memory, before, wanted, compliance) } else { 1.0 };
+    let step = wanted * share;
+    memory.advance(curve, step);
+    let load = held(curve, now + (memory.load(curve) - before));
+    Pulled { load, taken: root(step.length_squared()), pending: wanted - step - (load - now) * compliance }
+}
+
+/// Share of `wanted` that the contact takes, by regula falsi (Illinois) on a monotone residual.
+fn contact_share(curve: &Curve, memory: &Memory, before: Vec2, wanted: Vec2, compliance: f32) -> f32 {
+    let size2 = wanted.length_squared();
+    if size2 <= 0.0 {
+        return 1.0;
+    }
     let residual = |share: f32| {
         let mut trial = *memory;
-        let next = local + rest * share;
-        trial.advance(curve, local, next);
-        (share - 1.0) + compliance * (trial.load(curve, next) - now).dot(along) / length
+        trial.advance(curve, wanted * share);
+        (share - 1.0) + compliance * (trial.load(curve) - before).dot(wanted) / size2
     };
     let (mut low, mut high) = (0.0, 1.0);
     let (mut at_low, mut at_high) = (-1.0, max(residual(1.0), 0.0));
@@ -128,8 +137,8 @@ fn share_budget(drag: &Curve, twist: &Curve, patch: &mut Patch, force: Vec2, tor
     }
     let scale = pow(used, -1.0 / LIMIT_EXPONENT);
     let (force, torque) = (force * scale, torque * scale);
-    patch.point.drag.rebuild(drag, patch.local.drag, force);
-    patch.point.twist.rebuild(twist, Vec2::new(patch.local.twist, 0.0), torque);
+    patch.point.drag.rebuild(drag, force);
+    patch.point.twist.rebuild(twist, torque);
     (force, torque.x)
 }
 
