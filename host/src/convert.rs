@@ -88,6 +88,7 @@ impl Scene {
     pub fn core(&self) -> Result<Core<'_>, SceneError> {
         Ok(Core {
             model: Model::new(&self.model_spec())?,
+            asked: guard_spec(&self.baked.guard),
             spec: self.params,
             params: Params::new(&self.params)?,
             state: Box::new(contact::State::new()),
@@ -152,7 +153,7 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
     if usize::from(baked.samples) > SAMPLES {
         return Err(SceneError::Samples(baked.samples));
     }
-    Ok(ParamsSpec {
+    let spec = ParamsSpec {
         friction_static: Some(baked.friction_static),
         friction_dynamic: baked.friction_dynamic,
         region_distance: baked.region_distance,
@@ -163,9 +164,37 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
             wire::Breakaway::Smooth => contact::Breakaway::Smooth,
             wire::Breakaway::Sharp => contact::Breakaway::Sharp,
         },
+        force_law: force_law(&baked.force_law),
         gravity: baked.gravity,
-        ..ParamsSpec::default()
-    })
+        guard: guard_spec(&baked.guard),
+    };
+    // the scene's own limits are checked before the device's, or the core's until a device has said its own, are laid over them
+    Params::new(&spec)?;
+    Ok(ParamsSpec { guard: lower_limits(&spec.guard, &GuardSpec::default()), ..spec })
+}
+
+fn force_law(law: &wire::ForceLaw) -> contact::ForceLaw {
+    match *law {
+        wire::ForceLaw::Hertz => contact::ForceLaw::Hertz,
+        wire::ForceLaw::Cubic { k1, k3 } => contact::ForceLaw::Cubic { k1, k3 },
+        wire::ForceLaw::Table { step, force } => contact::ForceLaw::Table { step, force },
+    }
+}
+
+const fn guard_spec(limits: &wire::GuardLimits) -> GuardSpec {
+    let wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in } = *limits;
+    GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in }
+}
+
+/// The lower of each two limits; how long the ramp is, the scene says.
+const fn lower_limits(scene: &GuardSpec, other: &GuardSpec) -> GuardSpec {
+    GuardSpec {
+        max_force: scene.max_force.min(other.max_force),
+        max_torque: scene.max_torque.min(other.max_torque),
+        max_force_rate: scene.max_force_rate.min(other.max_force_rate),
+        max_torque_rate: scene.max_torque_rate.min(other.max_torque_rate),
+        ramp_in: scene.ramp_in,
+    }
 }
 
 fn tier_to_core(tier: wire::Tier) -> Result<contact::Tier, SceneError> {
@@ -191,6 +220,8 @@ const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
 #[derive(Debug)]
 pub struct Core<'a> {
     model: Model<'a>,
+    /// Limits that the scene asks for.
+    asked: GuardSpec,
     spec: ParamsSpec,
     params: Params,
     state: Box<contact::State<PATCHES, SAMPLES>>,
@@ -226,20 +257,20 @@ pub struct Felt {
 }
 
 impl Core<'_> {
-    /// Sets the guard to what the device renders. A device without torque keeps the guard's own limit: it says itself, in its
-    /// reports, that it does not render what it is asked for.
+    /// Sets the guard to what the device renders and the scene allows, the lower limit of each two. A device without torque gets
+    /// the guard's own limit: it says itself, in its reports, that it does not render what it is asked for.
     ///
     /// # Errors
     /// [`Invalid`] when the device claims to render no force; the guard then stays as it was.
     pub fn fit_guard(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
         let limit = |micro: u32| un_to_newtons(i32::try_from(micro).unwrap_or(i32::MAX));
-        let mut guard = GuardSpec { max_force: limit(device.max_force_un), ..self.spec.guard };
-        guard.max_force_rate = guard.max_force / FULL_SCALE_S;
+        let mut own = GuardSpec { max_force: limit(device.max_force_un), ..GuardSpec::default() };
+        own.max_force_rate = own.max_force / FULL_SCALE_S;
         if device.max_torque_unm > 0 {
-            guard.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
-            guard.max_torque_rate = guard.max_torque / FULL_SCALE_S;
+            own.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
+            own.max_torque_rate = own.max_torque / FULL_SCALE_S;
         }
-        let spec = ParamsSpec { guard, ..self.spec };
+        let spec = ParamsSpec { guard: lower_limits(&self.asked, &own), ..self.spec };
         self.params = Params::new(&spec)?;
         self.spec = spec;
         Ok(())
@@ -326,6 +357,8 @@ mod tests {
             coupling: wire::Coupling::Direct,
             breakaway: wire::Breakaway::Smooth,
             gravity: false,
+            force_law: wire::ForceLaw::Hertz,
+            guard: wire::GuardLimits::DEVICE_S_OWN,
             paper_length: 0.1,
             place: wire::Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
         }
@@ -347,13 +380,16 @@ mod tests {
     #[test]
     fn what_this_build_cannot_do_is_named() {
         type Spoil = fn(&mut BakedScene);
-        let table: [(Spoil, &str); 6] = [
+        let table: [(Spoil, &str); 9] = [
             (|s| s.tier = wire::Tier::Influence, "model.tier = \"influence\""),
             (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle"),
             (|s| s.coupling = wire::Coupling::Virtual, "model.coupling"),
             (|s| s.samples = 300, "16 to 256"),
             (|s| s.young_modulus = -1.0, "object.young_modulus"),
             (|s| s.place.q_wd = [0.0; 4], "place.q_wd"),
+            (|s| s.guard.max_force = f32::NAN, "guard.max_force"),
+            (|s| s.guard.max_torque_rate = 0.0, "guard.max_torque_rate"),
+            (|s| s.force_law = wire::ForceLaw::Cubic { k1: -1.0, k3: 0.0 }, "model.force_law.k1"),
         ];
         for (spoil, named) in table {
             let mut scene = baked();
@@ -362,6 +398,50 @@ mod tests {
             assert!(text.contains(named), "{text} lacks {named}");
         }
         Scene::new(&baked()).unwrap();
+    }
+
+    fn hello(max_force_un: u32, max_torque_unm: u32) -> DeviceHello {
+        let (name, serial) = ([0; 12], [0; 12]);
+        DeviceHello { version: 1, schema: 0, name, serial, max_force_un, max_torque_unm, watchdog_ticks: 160 }
+    }
+
+    #[test]
+    fn the_lower_of_the_scene_s_and_the_device_s_limit_holds() {
+        let own = wire::GuardLimits::DEVICE_S_OWN;
+        let premium = hello(8_500_000, 188_000);
+        let table = [
+            // scene, device, force, torque, their rates
+            (own, premium, [8.5, 0.188, 425.0, 9.4]),
+            (wire::GuardLimits { max_force: 3.0, max_torque_rate: 1.0, ..own }, premium, [3.0, 0.188, 425.0, 1.0]),
+            (wire::GuardLimits { max_force: 30.0, max_torque: 2.0, ..own }, premium, [8.5, 0.188, 425.0, 9.4]),
+            // no torque: the guard's own limit; no force: refused, the limits stay as they were
+            (own, hello(12_000_000, 0), [12.0, 0.188, 600.0, 9.4]),
+            (wire::GuardLimits { max_force: 3.0, ..own }, hello(0, 0), [3.0, 0.188, 425.0, 9.4]),
+        ];
+        for (guard, device, expected) in table {
+            let scene = Scene::new(&BakedScene { guard, ..baked() }).unwrap();
+            let mut core = scene.core().unwrap();
+            assert_eq!(core.fit_guard(&device).is_err(), device.max_force_un == 0);
+            let held = core.spec.guard;
+            let found = [held.max_force, held.max_torque, held.max_force_rate, held.max_torque_rate];
+            assert!(found.iter().zip(expected).all(|(f, e): (&f32, f32)| (f / e - 1.0).abs() < 1.0e-5), "{found:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_measured_force_law_is_what_is_felt() {
+        let mut force = [0.0; 16];
+        force.iter_mut().enumerate().for_each(|(i, f)| *f = i as f32);
+        let laws = [
+            (wire::ForceLaw::Cubic { k1: 2000.0, k3: 4.0e9 }, 2000.0 * 5.0e-4 + 4.0e9 * 5.0e-4_f32.powi(3)),
+            (wire::ForceLaw::Table { step: 1.0e-4, force }, 5.0),
+        ];
+        let press = handle_pose(&report([0.0, 0.0, 0.0195], [1.0, 0.0, 0.0, 0.0])).unwrap();
+        for (force_law, expected) in laws {
+            let scene = Scene::new(&BakedScene { force_law, ..baked() }).unwrap();
+            let felt = scene.core().unwrap().step(&press, 1.0e-3).contact_force[2];
+            assert!((felt / expected - 1.0).abs() < 1.0e-3, "{force_law:?}: {felt} N, expected {expected} N");
+        }
     }
 
     #[test]

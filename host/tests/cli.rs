@@ -9,8 +9,8 @@ use std::process::{Command, Output};
 use haptor_wire::recording::RecordReader;
 use haptor_wire::scene_file::{FILE_MAX, encode_file};
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, FromHost, HostFault, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
-    Record, StreamDecoder, Tier, stream_bound,
+    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromHost, GuardLimits, HostFault, ObjectShape, Place, ProbePart,
+    ProbeParts, ProbeShape, Record, StreamDecoder, Tier, stream_bound,
 };
 
 /// A folder of one test, removed at its end.
@@ -46,6 +46,8 @@ impl Folder {
             coupling: Coupling::Direct,
             breakaway: Breakaway::Smooth,
             gravity: false,
+            force_law: ForceLaw::Hertz,
+            guard: GuardLimits::DEVICE_S_OWN,
             paper_length: 0.1,
             place: Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
         };

@@ -8,7 +8,7 @@ use haptor_firmware_sim::script::{CLEARANCE, Reach};
 use haptor_firmware_sim::{Device, Script, TxBuf};
 use haptor_host::convert::{Core, Felt, Scene, command, handle_pose};
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, FromDevice, HostHello, Mode, ObjectShape, PROTOCOL_VERSION, Place, PoseReport,
+    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromDevice, GuardLimits, HostHello, Mode, ObjectShape, PROTOCOL_VERSION, Place, PoseReport,
     ProbePart, ProbeParts, ProbeShape, SCHEMA_HASH, StreamDecoder, Tier, ToDevice, encode_stream,
 };
 
@@ -38,6 +38,8 @@ fn ball_on_cube(tier: Tier) -> BakedScene {
         coupling: Coupling::Direct,
         breakaway: Breakaway::Smooth,
         gravity: false,
+        force_law: ForceLaw::Hertz,
+        guard: GuardLimits::DEVICE_S_OWN,
         paper_length: HEIGHT,
         place: Place { p_wd: [0.0, 0.0, HEIGHT + RADIUS + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
     }

@@ -22,7 +22,7 @@ use haptor_host::rt::pace::Follow;
 use haptor_host::rt::parts::Settings;
 use haptor_host::rt::stale::StaleRule;
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, FaultRecord, FromHost, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
+    BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
     Record, RtReport, Summary, TickRecord, Tier,
 };
 
@@ -58,6 +58,8 @@ pub fn ball_on_cube() -> BakedScene {
         coupling: Coupling::Direct,
         breakaway: Breakaway::Smooth,
         gravity: false,
+        force_law: ForceLaw::Hertz,
+        guard: GuardLimits::DEVICE_S_OWN,
         paper_length: 0.1,
         place: Place { p_wd: [0.0, 0.0, 0.12 + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
     }

@@ -1,9 +1,9 @@
 //! One value of every message, at the extremes of its encoding and in between, for the tests of this crate.
 
 use crate::{
-    BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, HostFault,
-    HostHello, Mode, ObjectShape, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, Progress, Quantiles, RecordHeader,
-    RtReport, SessionHello, Summary, TickRecord, Tier, WrenchCommand,
+    BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, ForceLaw,
+    GuardLimits, HostFault, HostHello, Mode, ObjectShape, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, Progress,
+    Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, WrenchCommand,
 };
 
 pub const DEVICE_HELLO: DeviceHello = DeviceHello {
@@ -96,6 +96,15 @@ pub const PART: ProbePart = ProbePart {
     rotation: [0.0, 1.0, 0.0, 0.0],
 };
 
+pub const LAW: ForceLaw = ForceLaw::Table { step: 1e-4, force: [0.5; 16] };
+pub const GUARD: GuardLimits = GuardLimits {
+    max_force: 3.0,
+    max_torque: f32::INFINITY,
+    max_force_rate: 100.0,
+    max_torque_rate: f32::INFINITY,
+    ramp_in: 0.25,
+};
+
 /// The largest scene: every part in use, every option given.
 pub fn scene() -> BakedScene {
     BakedScene {
@@ -118,6 +127,8 @@ pub fn scene() -> BakedScene {
         coupling: Coupling::Direct,
         breakaway: Breakaway::Smooth,
         gravity: true,
+        force_law: LAW,
+        guard: GUARD,
         paper_length: 0.1,
         place: PLACE,
     }

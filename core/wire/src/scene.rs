@@ -51,6 +51,10 @@ pub struct BakedScene {
     pub breakaway: Breakaway,
     /// Whether the probe's weight is felt.
     pub gravity: bool,
+    /// Normal force over depth.
+    pub force_law: ForceLaw,
+    /// The scene's own limits on the wrench; the device's hold beside them.
+    pub guard: GuardLimits,
     /// Axial distance to the fixed points, the `l` of the `paper` tier \[m\].
     pub paper_length: f32,
     /// Where the device stands in the world.
@@ -70,6 +74,8 @@ impl BakedScene {
         + 1
         + 3 * ENUM
         + 1
+        + ForceLaw::MAX_ENCODED
+        + GuardLimits::MAX_ENCODED
         + F32
         + Place::MAX_ENCODED;
 }
@@ -281,6 +287,71 @@ pub enum Breakaway {
     Smooth,
     /// At once, as in the source paper.
     Sharp,
+}
+
+/// Normal force over depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum ForceLaw {
+    /// From the shapes in contact: Hertz and its relatives.
+    #[default]
+    Hertz,
+    /// F = k1 d + k3 d^3.
+    Cubic {
+        /// Linear stiffness \[N/m\].
+        k1: f32,
+        /// Cubic stiffness \[N/m^3\].
+        k3: f32,
+    },
+    /// Measured: `force[i]` at depth `i * step`, linear between, held beyond the last.
+    Table {
+        /// Depth between entries \[m\].
+        step: f32,
+        /// Forces \[N\], the first 0, not falling.
+        force: [f32; FORCE_TABLE_LEN],
+    },
+}
+
+/// Entries of a measured force law: those of the core.
+pub const FORCE_TABLE_LEN: usize = 16;
+
+impl ForceLaw {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = ENUM + F32 + FORCE_TABLE_LEN * F32;
+}
+
+/// What a scene allows the wrench, beside what the device renders: of the two limits the lower one holds. Infinity is no limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GuardLimits {
+    /// Largest force \[N\]; direction is kept.
+    pub max_force: f32,
+    /// Largest torque \[N m\]; direction is kept.
+    pub max_torque: f32,
+    /// Largest rate of change of the force \[N/s\].
+    pub max_force_rate: f32,
+    /// Largest rate of change of the torque \[N m/s\].
+    pub max_torque_rate: f32,
+    /// Time over which the wrench is ramped in when the first pose is inside the object \[s\].
+    pub ramp_in: f32,
+}
+
+impl GuardLimits {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = 5 * F32;
+
+    /// No limits of the scene's own; the wrench is ramped in over half a second, as the core does.
+    pub const DEVICE_S_OWN: Self = Self {
+        max_force: f32::INFINITY,
+        max_torque: f32::INFINITY,
+        max_force_rate: f32::INFINITY,
+        max_torque_rate: f32::INFINITY,
+        ramp_in: 0.5,
+    };
+}
+
+impl Default for GuardLimits {
+    fn default() -> Self {
+        Self::DEVICE_S_OWN
+    }
 }
 
 /// Pose `x_wd` of the device's base in the world.

@@ -200,6 +200,8 @@ fn scene_table() -> String {
         cases("Deformation", &deformations),
         cases("Coupling", &[Coupling::Direct, Coupling::Virtual]),
         cases("Breakaway", &[Breakaway::Smooth, Breakaway::Sharp]),
+        cases("ForceLaw", &[ForceLaw::Hertz, ForceLaw::Cubic { k1: 1.0, k3: 1.0 }, LAW]),
+        structure(&GUARD),
         structure(&PLACE),
     ]
     .concat()

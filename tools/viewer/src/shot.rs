@@ -178,7 +178,9 @@ fn face_normal(mesh: &Mesh, triangle: [u32; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use haptor_wire::scene::{Breakaway, Coupling, Deformation, Place, ProbePart, ProbeParts, ProbeShape, Tier};
+    use haptor_wire::scene::{
+        Breakaway, Coupling, Deformation, ForceLaw, GuardLimits, Place, ProbePart, ProbeParts, ProbeShape, Tier,
+    };
 
     use super::*;
 
@@ -204,6 +206,8 @@ mod tests {
             coupling: Coupling::Direct,
             breakaway: Breakaway::Smooth,
             gravity: false,
+            force_law: ForceLaw::Hertz,
+            guard: GuardLimits::DEVICE_S_OWN,
             paper_length: 0.1,
             place: Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
         }

@@ -10,7 +10,8 @@ use crate::scene::Scene;
 
 /// Bakes a scene: everything the host needs in one file.
 ///
-/// The device is placed so that its origin puts the probe 5 mm above the middle of the object's top.
+/// The device is placed so that its origin puts the probe 5 mm above the middle of the object's top. Of the scene's [guard] limits
+/// and the device's own the lower ones hold; a limit that the scene leaves out is the device's.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor bake tests/scenes/cube-twist.toml -o cube-twist.model")]
 pub struct Args {

@@ -15,12 +15,6 @@ impl Scene {
     /// # Errors
     /// In words, what the scene holds that the host does not take.
     pub fn bake(&self) -> Result<BakedScene, String> {
-        if self.params.force_law != ForceLaw::Hertz {
-            return Err("model.force_law: the host computes the hertz law only; remove the key, or use eval".to_owned());
-        }
-        if self.params.guard != GuardSpec::default() {
-            return Err("[guard]: the host takes its limits from the device; remove the section, or use eval --guard".to_owned());
-        }
         let (spec, params, material) = (self.model_spec(), &self.params, &self.object.material);
         Ok(BakedScene {
             object: object_shape(self.object.shape),
@@ -43,6 +37,8 @@ impl Scene {
             coupling: Coupling::Direct,
             breakaway: breakaway(params.breakaway),
             gravity: params.gravity,
+            force_law: force_law(&params.force_law),
+            guard: guard(&self.extras.asked),
             paper_length: spec.paper_length,
             place: Place { p_wd: self.hover().to_array(), q_wd: [1.0, 0.0, 0.0, 0.0] },
         })
@@ -125,6 +121,19 @@ fn breakaway(breakaway: Breakaway) -> wire::Breakaway {
     }
 }
 
+fn force_law(law: &ForceLaw) -> wire::ForceLaw {
+    match *law {
+        ForceLaw::Hertz => wire::ForceLaw::Hertz,
+        ForceLaw::Cubic { k1, k3 } => wire::ForceLaw::Cubic { k1, k3 },
+        ForceLaw::Table { step, force } => wire::ForceLaw::Table { step, force },
+    }
+}
+
+fn guard(asked: &GuardSpec) -> wire::GuardLimits {
+    let GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in } = *asked;
+    wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in }
+}
+
 #[cfg(test)]
 mod tests {
     use std::f32::consts::FRAC_PI_2;
@@ -132,6 +141,33 @@ mod tests {
     use haptor_contact::Quat;
 
     use super::*;
+
+    const SCENE: &str = "object = { shape = 'half_space', young_modulus = 3e6, poisson_ratio = 0.5, density = 1100 }\n\
+        probe = { shape = 'sphere', radius = 0.02, mass = 1 }\nfriction = { dynamic = 0.75 }\n";
+
+    fn baked(more: &str) -> BakedScene {
+        Scene::parse("s.toml", &format!("{SCENE}{more}")).unwrap().bake().unwrap()
+    }
+
+    #[test]
+    fn a_scene_s_limits_and_force_law_reach_the_host_and_what_it_leaves_out_is_the_device_s() {
+        let own = wire::GuardLimits::DEVICE_S_OWN;
+        assert_eq!((baked("").guard, baked("").force_law), (own, wire::ForceLaw::Hertz));
+        assert_eq!(
+            baked("guard = { max_force = 3, ramp_in = 0 }").guard,
+            wire::GuardLimits { max_force: 3.0, ramp_in: 0.0, ..own }
+        );
+        assert_eq!(baked("guard = { max_force_rate = inf, max_torque = 1 }").guard, wire::GuardLimits { max_torque: 1.0, ..own });
+        let cubic = baked("model = { force_law = { kind = 'cubic', k1 = 1e3, k3 = 2e9 } }").force_law;
+        assert_eq!(cubic, wire::ForceLaw::Cubic { k1: 1.0e3, k3: 2.0e9 });
+        let table = "model = { force_law = { kind = 'table', step = 1e-4, force = [0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15] } }";
+        assert!(matches!(baked(table).force_law, wire::ForceLaw::Table { force, .. } if force[15] == 15.0));
+    }
+
+    #[test]
+    fn the_core_and_the_wire_agree_on_what_a_scene_without_limits_means() {
+        assert_eq!(GuardSpec::default().ramp_in, wire::GuardLimits::DEVICE_S_OWN.ramp_in);
+    }
 
     #[test]
     fn the_lowest_point_of_each_shape_lying_and_standing() {

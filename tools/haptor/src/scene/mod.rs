@@ -81,9 +81,9 @@ impl Scene {
         if let Some(section) = root.optional_section(CONTACT)? {
             settings::contact(&section, &mut params)?;
         }
-        let extras = settings::model(root.optional_section(MODEL)?.as_ref(), &mut params)?;
+        let mut extras = settings::model(root.optional_section(MODEL)?.as_ref(), &mut params)?;
         if let Some(section) = root.optional_section(GUARD)? {
-            settings::guard(&section, &mut params.guard)?;
+            settings::guard(&section, &mut params, &mut extras)?;
         }
         root.finish("a scene")?;
         let scene = Self { object, probe, params, extras };

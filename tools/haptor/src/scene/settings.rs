@@ -12,6 +12,8 @@ pub struct Extras {
     pub sweeps: u8,
     /// How much of the surface is computed when someone looks.
     pub deformation: Deformation,
+    /// Limits that `[guard]` gives, infinity where it gives none: beside a device only these hold.
+    pub asked: GuardSpec,
     /// The paper's l on a half space \[m\]; `None` takes the core's default.
     pub paper_length: Option<f32>,
 }
@@ -71,7 +73,7 @@ pub fn contact(section: &Section<'_, '_>, params: &mut ParamsSpec) -> Result<(),
 
 /// Reads `[model]`; `None` when the scene has none.
 pub fn model(section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Result<Extras, SceneError> {
-    let mut extras = Extras { sweeps: DEFAULT_SWEEPS, deformation: Deformation::Full, paper_length: None };
+    let mut extras = Extras { sweeps: DEFAULT_SWEEPS, deformation: Deformation::Full, asked: NO_LIMITS, paper_length: None };
     let Some(section) = section else { return Ok(extras) };
     set(&mut params.tier, tier(section)?);
     set(&mut params.samples, section.optional_count(SAMPLES)?);
@@ -89,13 +91,30 @@ pub fn model(section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Resu
     Ok(extras)
 }
 
-/// Reads `[guard]`.
-pub fn guard(section: &Section<'_, '_>, guard: &mut GuardSpec) -> Result<(), SceneError> {
-    set(&mut guard.max_force, section.optional_number(MAX_FORCE)?);
-    set(&mut guard.max_torque, section.optional_number(MAX_TORQUE)?);
-    set(&mut guard.max_force_rate, section.optional_number(MAX_FORCE_RATE)?);
-    set(&mut guard.max_torque_rate, section.optional_number(MAX_TORQUE_RATE)?);
-    set(&mut guard.ramp_in, section.optional_number(RAMP_IN)?);
+/// No limit, and the core's ramp.
+const NO_LIMITS: GuardSpec = GuardSpec {
+    max_force: f32::INFINITY,
+    max_torque: f32::INFINITY,
+    max_force_rate: f32::INFINITY,
+    max_torque_rate: f32::INFINITY,
+    ramp_in: 0.5,
+};
+
+/// Reads `[guard]` over the core's own limits, and over none.
+pub fn guard(section: &Section<'_, '_>, params: &mut ParamsSpec, extras: &mut Extras) -> Result<(), SceneError> {
+    let limits = [MAX_FORCE, MAX_TORQUE, MAX_FORCE_RATE, MAX_TORQUE_RATE, RAMP_IN];
+    let mut given = [None; 5];
+    for (value, key) in given.iter_mut().zip(limits) {
+        *value = section.optional_number(key)?;
+    }
+    for guard in [&mut params.guard, &mut extras.asked] {
+        let [max_force, max_torque, max_force_rate, max_torque_rate, ramp_in] = given;
+        set(&mut guard.max_force, max_force);
+        set(&mut guard.max_torque, max_torque);
+        set(&mut guard.max_force_rate, max_force_rate);
+        set(&mut guard.max_torque_rate, max_torque_rate);
+        set(&mut guard.ramp_in, ramp_in);
+    }
     section.finish("[guard]")
 }
 
