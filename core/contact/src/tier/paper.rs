@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::math::{PI, direction, root};
+use crate::math::{PI, direction, max, root};
 use crate::model::{Model, ObjectShape};
 use crate::params::Params;
 use crate::patch::{Grip, Patch};
@@ -102,20 +102,19 @@ fn translate(model: &Model<'_>, params: &Params, patch: &mut Patch, l: &Length) 
     let stretched = patch.total.drag - patch.paper.anchor;
     let pull = stretched * stiffness;
     let size = root(pull.length_squared());
-    let moving = patch.motion.step.drag.dot(stretched) > 0.0;
-    let limit = if patch.paper.sliding { f_d } else { f_max };
-    if size > limit || (patch.paper.sliding && moving && size >= f_d) {
-        let along = pull / size;
-        patch.paper.anchor = patch.total.drag - along * (f_d / stiffness);
-        patch.grip = Grip { force: along * f_d, torque: 0.0, stick: 0.0 };
-        patch.paper.sliding = true;
-        return;
-    }
-    if patch.paper.sliding {
+    let moves_on = patch.motion.step.drag.dot(stretched) > 0.0;
+    if patch.paper.sliding && !moves_on {
         patch.paper.sliding = false;
         patch.paper.turned = Vec3::ZERO;
     }
-    patch.grip = Grip { force: pull, torque: 0.0, stick: 1.0 };
+    if !patch.paper.sliding && size <= f_max {
+        patch.grip = Grip { force: pull, torque: 0.0, stick: 1.0 };
+        return;
+    }
+    let along = pull / max(size, f32::MIN_POSITIVE);
+    patch.paper.anchor = patch.total.drag - along * (f_d / stiffness);
+    patch.grip = Grip { force: along * f_d, torque: 0.0, stick: 0.0 };
+    patch.paper.sliding = true;
 }
 
 /// Section V: torsion acts where the axis goes through the region, kinetic everywhere when there are several regions.
@@ -191,7 +190,7 @@ impl Samples<'_, '_> {
             ObjectShape::HalfSpace => self.model.paper_length,
             _ => p.dot(self.axis).abs(),
         };
-        (root(across.length_squared()), crate::math::max(l, SHORTEST_LENGTH * a))
+        (root(across.length_squared()), max(l, SHORTEST_LENGTH * a))
     }
 
     /// Equations (2) and (4) to (9): torque about the axis, and the stuck share of the samples.
