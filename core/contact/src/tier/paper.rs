@@ -64,6 +64,10 @@ pub fn hold(model: &Model<'_>, params: &Params, patches: &mut [Patch], x_wp: &Po
     let mut flags = Flags::CLEAN;
     for patch in patches.iter_mut() {
         patch.paper.turned += patch.motion.turn;
+        if patch.footprint.load <= 0.0 || patch.footprint.radius <= 0.0 {
+            let_go(patch);
+            continue;
+        }
         let l = Length::of(model, patch, direction(patch.paper.turned, patch.normal));
         translate(model, params, patch, &l);
         let (torque, stick) = twist(model, params, patch, x_wp, several);
@@ -74,6 +78,12 @@ pub fn hold(model: &Model<'_>, params: &Params, patches: &mut [Patch], x_wp: &Po
         }
     }
     flags
+}
+
+/// Without load nothing is held.
+fn let_go(patch: &mut Patch) {
+    patch.grip = Grip::default();
+    patch.paper = PaperMemory { anchor: patch.total.drag, ..PaperMemory::default() };
 }
 
 /// The paper's l.
