@@ -8,8 +8,9 @@ use haptor_firmware_sim::script::{CLEARANCE, Reach};
 use haptor_firmware_sim::{Device, Script, TxBuf};
 use haptor_host::convert::{Core, Felt, Scene, command, handle_pose};
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromDevice, GuardLimits, HostHello, Mode, ObjectShape, PROTOCOL_VERSION, Place, PoseReport,
-    ProbePart, ProbeParts, ProbeShape, SCHEMA_HASH, StreamDecoder, Tier, ToDevice, encode_stream,
+    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromDevice, GuardLimits, HostHello, Mode, ObjectShape,
+    PROTOCOL_VERSION, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, SCHEMA_HASH, StreamDecoder, Tier, ToDevice,
+    encode_stream,
 };
 
 const RADIUS: f32 = 0.02;

@@ -22,8 +22,8 @@ use haptor_host::rt::pace::Follow;
 use haptor_host::rt::parts::Settings;
 use haptor_host::rt::stale::StaleRule;
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
-    Record, RtReport, Summary, TickRecord, Tier,
+    BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart,
+    ProbeParts, ProbeShape, Record, RtReport, Summary, TickRecord, Tier,
 };
 
 /// Ticks a second of every rig.

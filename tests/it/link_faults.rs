@@ -11,7 +11,7 @@ use haptor_host::rt::clock::Virtual;
 use haptor_host::rt::flags;
 use haptor_host::rt::stale::{FADE_TICKS, HOLD_TICKS, SMALL_FORCE};
 use haptor_wire::units::NOT_A_NUMBER;
-use haptor_wire::{FromDevice, HostFault, Mode, StreamDecoder, encode_stream, stream_bound};
+use haptor_wire::{FromDevice, HostFault, Mode, StreamDecoder, TickRecord, encode_stream, stream_bound};
 
 use crate::host_rig::{Cable, Rig, length};
 
@@ -95,6 +95,25 @@ fn after_a_fault_the_wrench_stays_zero_until_the_hand_has_come_out() {
         assert_eq!(rig.far().device.mode(), Mode::Force, "{name}");
         assert_eq!(rig.summary().fault, Some(rig.faults[0].cause), "{name}: the first fault stays latched");
         assert!(rig.ticks.windows(2).all(|t| t[1].tick == t[0].tick + 1), "{name}: a tick is missing");
+    }
+}
+
+/// With nothing to push back the hand goes deeper than it ever felt.
+#[test]
+fn peaks_are_of_what_was_felt() {
+    for (name, drill, ..) in DRILLS {
+        let mut rig = pressing();
+        drill(&mut rig);
+        rig.until(300, |_| false);
+        let peak = |keep: fn(&TickRecord) -> bool| -> f32 {
+            rig.ticks.iter().filter(|t| keep(t)).map(|t| length(t.contact_force)).fold(0.0, f32::max)
+        };
+        let (felt, summary) = (peak(TickRecord::was_felt), rig.summary());
+        assert!((summary.peak_force - felt).abs() <= 1.0e-5 * felt, "{name}: {} N, felt {felt} N", summary.peak_force);
+        assert!((3.0..8.5).contains(&felt), "{name}: {felt} N");
+        if name == "restart" || name == "stall" {
+            assert!(peak(|_| true) > felt, "{name}: the hand pushes on");
+        }
     }
 }
 

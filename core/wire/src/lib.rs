@@ -42,6 +42,7 @@ extern crate std;
 mod cobs;
 pub mod decoder;
 pub mod device;
+pub mod flags;
 pub mod frame;
 pub mod packet;
 pub mod recording;

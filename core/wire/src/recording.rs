@@ -3,12 +3,22 @@
 //! A file is a row of COBS + CRC32 frames, the same as on a serial link, so a file cut at any byte, by a crash or a full disk,
 //! still reads up to its last whole frame, and damage in the middle costs the frames it touches and no more. The first frame is
 //! the [`RecordHeader`], the last one of a session that ended in order the [`Summary`].
+//!
+//! To compute the contact again, bit for bit: take the scene whose file has the header's digest, a core at rest, and of the ticks
+//! those without [`flags::NO_POSE`], in order. Each is one step of the core at the pose recorded, its quaternion normalised, with
+//! ```text
+//! dt = (tick - tick of the one before without NO_POSE) / rate_hz     in f64, then rounded to f32; the first has dt = 1 / rate_hz
+//! ```
+//! so ticks that the thread slept through count, and so do those in which no pose came. `contact_force` and `contact_torque` come
+//! out again; `force` and `torque` too where no bit of the host's is set and the guard has the limits of the device that was
+//! there (those of [`crate::SessionHello`]; full scale in 20 ms) and of the scene.
 
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
 use crate::device::{ENUM, F32, U16, U32, U64};
+use crate::flags;
 use crate::frame::{FrameError, decode_stream, stream_bound};
 use crate::scene::Tier;
 use crate::status::{FaultRecord, Summary};
@@ -80,7 +90,7 @@ pub struct TickRecord {
     pub stick: f32,
     /// Tier used.
     pub tier: Tier,
-    /// What the core and the host had to say: 0 = clean.
+    /// What the core and the host had to say: 0 = clean; the bits are in [`crate::flags`].
     pub flags: u32,
     /// How late the thread woke \[ns\].
     pub wake_ns: u32,
@@ -93,6 +103,15 @@ pub struct TickRecord {
 impl TickRecord {
     /// Postcard bytes at most, without the byte that names the record.
     pub const MAX_ENCODED: usize = 2 * U64 + 19 * F32 + 1 + 3 * F32 + ENUM + 4 * U32;
+
+    /// Whether the hand felt this tick's contact: a fresh pose came, no fault kept the output closed, and the wrench went out.
+    ///
+    /// After a fault a hand goes on pushing with nothing to push back, so the contact computed there is deeper than anything that
+    /// was felt; peaks of a session are taken over felt ticks only.
+    #[must_use]
+    pub const fn was_felt(&self) -> bool {
+        self.flags & flags::NOT_FELT == 0
+    }
 }
 
 /// Bytes of a frame at most, its final zero included.
@@ -256,6 +275,25 @@ mod tests {
                 assert_eq!(read, expected, "byte {at} ^ {flip:02x}");
             }
         }
+    }
+
+    #[test]
+    fn felt_is_what_went_out_fresh() {
+        let felt = |flags| TickRecord { flags, ..TickRecord::default() }.was_felt();
+        // the core's bits say nothing about it, nor does a late command
+        for bits in [0, 1 << 3, flags::LATE] {
+            assert!(felt(bits), "{bits:#x}");
+        }
+        for bits in [flags::NO_POSE, flags::HELD, flags::CLOSED, flags::NOT_SENT, flags::POSE_REFUSED] {
+            assert!(!felt(bits) && !felt(bits | flags::LATE), "{bits:#x}");
+        }
+    }
+
+    #[test]
+    fn every_bit_has_its_name_in_its_place() {
+        let bits = [flags::NO_POSE, flags::HELD, flags::CLOSED, flags::LATE, flags::NOT_SENT, flags::POSE_REFUSED];
+        assert_eq!(bits.len(), flags::NAMES.len());
+        assert!(bits.iter().enumerate().all(|(i, &bit)| bit == 1 << (24 + i)));
     }
 
     #[test]

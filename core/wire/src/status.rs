@@ -189,9 +189,9 @@ pub struct Summary {
     pub out_of_order: u64,
     /// Ticks that the recorder could not keep up with.
     pub recorder_dropped: u64,
-    /// Largest magnitude of the contact force \[N\].
+    /// Largest magnitude of the contact force over the ticks that were felt ([`crate::TickRecord::was_felt`]) \[N\].
     pub peak_force: f32,
-    /// Largest magnitude of the contact torque about the probe's mass centre \[N m\].
+    /// Largest magnitude of the contact torque about the probe's mass centre over the same ticks \[N m\].
     pub peak_torque: f32,
     /// What a step of the core took.
     pub step_ns: Quantiles,

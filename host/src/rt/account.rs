@@ -84,6 +84,8 @@ impl Account {
         self.wake.record_ns(record.wake_ns.into());
         if stepped {
             self.step.record_ns(record.step_ns.into());
+        }
+        if record.was_felt() {
             self.peak_force = self.peak_force.max(length(record.contact_force));
             self.peak_torque = self.peak_torque.max(length(record.contact_torque));
         }

@@ -112,11 +112,12 @@ fn policy(summary: &Summary) -> String {
 fn from_ticks(ticks: &[TickRecord]) -> Summary {
     let count = ticks.len() as u64;
     let magnitude = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let felt = || ticks.iter().filter(|tick| tick.was_felt());
     Summary {
         ticks: count,
         in_time: count,
-        peak_force: ticks.iter().map(|tick| magnitude(tick.contact_force)).fold(0.0, f32::max),
-        peak_torque: ticks.iter().map(|tick| magnitude(tick.contact_torque)).fold(0.0, f32::max),
+        peak_force: felt().map(|tick| magnitude(tick.contact_force)).fold(0.0, f32::max),
+        peak_torque: felt().map(|tick| magnitude(tick.contact_torque)).fold(0.0, f32::max),
         step_ns: quantiles(ticks.iter().map(|tick| tick.step_ns).collect()),
         wake_ns: quantiles(ticks.iter().map(|tick| tick.wake_ns).collect()),
         round_trip_ns: quantiles(ticks.iter().map(|tick| tick.round_trip_ns).filter(|&ns| ns > 0).collect()),
@@ -158,6 +159,13 @@ mod tests {
             assert!(holds(figures.verdict(), verdict), "{figures:?}");
             assert!(holds(figures.warning(), warning), "{figures:?}");
         }
+    }
+
+    #[test]
+    fn peaks_of_an_unfinished_recording_are_those_that_were_felt() {
+        let tick = |force, flags| TickRecord { contact_force: [0.0, 0.0, force], flags, ..TickRecord::default() };
+        let ticks = [tick(2.0, 0), tick(5.0, haptor_wire::flags::LATE), tick(40.0, haptor_wire::flags::CLOSED)];
+        assert_eq!(from_ticks(&ticks).peak_force, 5.0);
     }
 
     #[test]
