@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 
-use haptor_contact::{Flags, Invalid, Output as TickOutput, ParamsSpec, Tier};
+use haptor_contact::{Invalid, Output as TickOutput, ParamsSpec, Tier};
 
 use crate::failure::{Failure, Outcome};
 use crate::output::{Output, unwritten};
@@ -14,10 +14,6 @@ use crate::trajectory::{self, Row};
 
 /// Columns of the result.
 pub const HEADER: &str = "t,fx,fy,fz,tx,ty,tz,regions,depth,radius,stick,tier,flags";
-
-/// Flags that speak of the guard; a wrench taken before the guard has none of them.
-const GUARD_FLAGS: u32 =
-    Flags::FORCE_LIMITED.0 | Flags::TORQUE_LIMITED.0 | Flags::FORCE_SLEWED.0 | Flags::TORQUE_SLEWED.0 | Flags::RAMPING_IN.0;
 
 /// Ticks between two steps of the progress bar.
 const PROGRESS_EVERY: usize = 1000;
@@ -125,7 +121,7 @@ fn write_row(out: &mut impl Write, row: &Row, tick: &TickOutput, guarded: bool) 
     let report = &tick.report;
     let (depth, radius, stick, tier) = (report.depth, report.radius, report.stick, report.tier.name());
     write!(out, "{},{fx},{fy},{fz},{tx},{ty},{tz},{},{depth},{radius},{stick},{tier},", row.written_t, report.regions)?;
-    match report.flags.0 & if guarded { u32::MAX } else { !GUARD_FLAGS } {
+    match report.flags.0 {
         0 => writeln!(out, "0"),
         bits => writeln!(out, "{bits:#x}"),
     }
