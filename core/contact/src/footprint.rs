@@ -117,12 +117,13 @@ impl Seat {
             let middle = 0.5 * (low + high);
             if middle + fall * slice_at(middle).area < depth { low = middle } else { high = middle }
         }
-        let slice = slice_at(high);
-        // a flat end wider than the overlap: the object's own fall alone makes the depth
-        if depth / fall < slice.area {
-            return Overlap { area: min(depth / fall, widest), aspect: 1.0 };
-        }
-        Overlap { area: min(slice.area, widest), aspect: slice.aspect }
+        // where the slice widens fast the height is the surer figure, where the object is nearly flat the slice is
+        let inner = if low > 0.0 { slice_at(low).area } else { 0.0 };
+        let outer = slice_at(high);
+        let area = clamp((depth - 0.5 * (low + high)) / fall, inner, outer.area);
+        // the part of the depth that the object's own fall makes is round
+        let share = clamp((depth - fall * area) / depth, 0.0, 1.0);
+        Overlap { area: min(area, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
     }
 
     /// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).

@@ -72,8 +72,10 @@ pub(crate) fn guard(spec: &GuardSpec, state: &mut GuardState, contact: &Wrench<W
     let force = limit(wanted.force, spec.max_force, Flags::FORCE_LIMITED, &mut flags);
     let torque = limit(wanted.torque, spec.max_torque, Flags::TORQUE_LIMITED, &mut flags);
     let last = state.wrench;
-    let force = last.force + limit(force - last.force, spec.max_force_rate * dt, Flags::FORCE_SLEWED, &mut flags);
-    let torque = last.torque + limit(torque - last.torque, spec.max_torque_rate * dt, Flags::TORQUE_SLEWED, &mut flags);
+    // without time nothing changes, whatever the rate: infinity times zero is not a number
+    let most = |rate: f32| if dt > 0.0 { rate * dt } else { 0.0 };
+    let force = last.force + limit(force - last.force, most(spec.max_force_rate), Flags::FORCE_SLEWED, &mut flags);
+    let torque = last.torque + limit(torque - last.torque, most(spec.max_torque_rate), Flags::TORQUE_SLEWED, &mut flags);
     state.wrench = Wrench::new(force, torque);
     (state.wrench, flags)
 }
@@ -122,6 +124,14 @@ mod tests {
         assert_eq!((out, flags), (Wrench::ZERO, Flags::NON_FINITE));
         let (out, _) = guard(&open, &mut state, &Wrench::new(Vec3::new(3.0e37, 0.0, 4.0e37), Vec3::ZERO), 1.0e-3);
         assert!((out.force - Vec3::new(4.8, 0.0, 6.4)).length() < 1.0e-4, "{out:?}");
+    }
+
+    #[test]
+    fn no_time_no_change_even_without_a_rate_limit() {
+        let open = GuardSpec { max_force_rate: f32::INFINITY, ..SPEC };
+        let mut state = GuardState::START;
+        let (out, _) = guard(&open, &mut state, &Wrench::new(Vec3::Z, Vec3::ZERO), 0.0);
+        assert_eq!(out, Wrench::ZERO);
     }
 
     #[test]

@@ -127,6 +127,13 @@ impl Patch {
         }
     }
 
+    /// Lets go of everything that friction held, in every tier.
+    pub fn forget_friction(&mut self) {
+        (self.grip, self.pending, self.ridden) = (Grip::default(), Shift::default(), Vec2::ZERO);
+        (self.point, self.grid) = (PointMemory::default(), Grid::default());
+        self.paper = PaperMemory { anchor: self.total.drag, ..PaperMemory::default() };
+    }
+
     /// Second tangent of c.
     pub fn second_tangent(&self) -> Vec3 {
         self.normal.cross(self.tangent)

@@ -5,6 +5,7 @@ use heapless::Vec;
 
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::GuardState;
+use crate::params::Tier;
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::tier::bristle::Bristle;
@@ -30,6 +31,9 @@ pub(crate) struct Memory {
     pub since_last_pose: f32,
     /// Fingerprint of the parameters under which the last tick had the pose of the one before.
     pub settled_for: Option<u32>,
+    /// Tier and fingerprint of the parameters of the last tick.
+    pub tier: Option<Tier>,
+    pub fingerprint: Option<u32>,
     /// Flags of the last tick that was computed.
     pub flags: Flags,
     /// Last contact wrench.
@@ -52,6 +56,8 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
                 last_pose: None,
                 since_last_pose: 0.0,
                 settled_for: None,
+                tier: None,
+                fingerprint: None,
                 flags: Flags::CLEAN,
                 contact: Wrench::ZERO,
                 guard: GuardState::START,

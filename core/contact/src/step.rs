@@ -4,6 +4,8 @@
 //! *Patch*: a contact that is followed from tick to tick. *Region*: patches closer than `region_distance`. *Anchor*: where a patch
 //! sticks. *Grip*: what friction holds. *Wrench*: force and torque on the probe about its mass centre, in world.
 
+use heapless::VecView;
+
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
 use crate::limits::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE, QUATERNION_TOLERANCE};
@@ -61,13 +63,35 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     flags |= force::press(model, params, &scratch.contacts, patches);
     // 4 torque
-    flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now);
+    let changed = take_up_params(params, memory, patches);
+    flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
+    flags |= drop_what_is_not_finite(memory, patches);
     ramp_if_started_inside(params, memory, patches);
     remember(params, memory, now, births, flags);
     // 7 guard
     finish(params, memory, patches, memory.contact, input.dt, flags)
+}
+
+/// A contact that is not finite is dropped whole: nothing of it may live on.
+fn drop_what_is_not_finite(memory: &mut Memory, patches: &mut VecView<Patch>) -> Flags {
+    if memory.contact.is_finite() {
+        return Flags::CLEAN;
+    }
+    patches.clear();
+    memory.contact = Wrench::ZERO;
+    Flags::NON_FINITE
+}
+
+/// Notices new parameters. A new tier starts without friction history: what one tier remembers means nothing to another.
+fn take_up_params(params: &Params, memory: &mut Memory, patches: &mut [Patch]) -> bool {
+    if memory.tier != Some(params.tier) {
+        patches.iter_mut().for_each(Patch::forget_friction);
+    }
+    let changed = memory.fingerprint != Some(params.fingerprint);
+    (memory.tier, memory.fingerprint) = (Some(params.tier), Some(params.fingerprint));
+    changed
 }
 
 /// The first pose of a session may lie inside the object: its wrench is then let in slowly.
@@ -79,7 +103,10 @@ fn ramp_if_started_inside(params: &Params, memory: &mut Memory, patches: &[Patch
 
 /// Keeps the pose, and whether the next tick may rest on this one.
 fn remember(params: &Params, memory: &mut Memory, now: Pose<World, ProbeFrame>, births: u32, flags: Flags) {
-    let quiet = memory.last_pose == Some(now) && memory.next_serial == births && !flags.contains(Flags::BIRTH_WAITS);
+    let quiet = memory.last_pose == Some(now)
+        && memory.next_serial == births
+        && !flags.contains(Flags::BIRTH_WAITS)
+        && !flags.contains(Flags::NON_FINITE);
     memory.settled_for = if quiet { Some(params.fingerprint) } else { None };
     (memory.last_pose, memory.flags) = (Some(now), flags);
 }
@@ -130,9 +157,6 @@ fn refused(params: &Params, memory: &mut Memory, patches: &[Patch], dt: f32, fla
 /// Stage 7, and the report.
 fn finish(params: &Params, memory: &mut Memory, patches: &[Patch], wanted: Wrench<World>, dt: f32, flags: Flags) -> Output {
     let (wrench, guarded) = guard(&params.guard, &mut memory.guard, &wanted, dt);
-    if guarded.contains(Flags::NON_FINITE) {
-        memory.contact = Wrench::ZERO;
-    }
     let report = report(params, memory, patches, flags | guarded);
     Output { wrench, contact: memory.contact, report }
 }

@@ -161,18 +161,31 @@ pub fn count(patches: &[Patch]) -> u8 {
     patches.iter().map(|patch| patch.region + 1).max().unwrap_or(0)
 }
 
-/// Drops the shallowest region while there are too many.
+/// Drops the shallowest regions while there are too many.
 fn refuse(max_regions: usize, memory: &mut Memory, patches: &mut VecView<Patch>) -> Flags {
-    let regions = count(patches);
-    if usize::from(regions) <= max_regions {
-        return Flags::CLEAN;
+    let mut flags = Flags::CLEAN;
+    // every round drops a region, and there are no more regions than patches
+    for _ in 0..patches.len() {
+        let regions = count(patches);
+        if usize::from(regions) <= max_regions {
+            break;
+        }
+        drop_region(shallowest(regions, patches), patches);
+        memory.refused = memory.refused.saturating_add(1);
+        flags = Flags::REGION_REFUSED;
     }
+    flags
+}
+
+/// The region whose deepest patch is the least deep.
+fn shallowest(regions: u8, patches: &[Patch]) -> u8 {
     let depth_of = |region: u8| patches.iter().filter(|p| p.region == region).fold(0.0, |deepest, p| max(deepest, p.depth));
-    let Some(shallowest) = (0..regions).min_by(|&a, &b| depth_of(a).total_cmp(&depth_of(b))) else { return Flags::CLEAN };
-    patches.retain(|patch| patch.region != shallowest);
+    (0..regions).min_by(|&a, &b| depth_of(a).total_cmp(&depth_of(b))).unwrap_or(0)
+}
+
+fn drop_region(region: u8, patches: &mut VecView<Patch>) {
+    patches.retain(|patch| patch.region != region);
     for patch in patches.iter_mut() {
-        patch.region -= u8::from(patch.region > shallowest);
+        patch.region -= u8::from(patch.region > region);
     }
-    memory.refused = memory.refused.saturating_add(1);
-    Flags::REGION_REFUSED
 }

@@ -5,12 +5,13 @@ use glam::Vec3;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::model::Model;
 use crate::params::{Params, Tier};
-use crate::patch::{Grip, Patch};
+use crate::patch::Patch;
 use crate::report::Flags;
 use crate::tier::bristle::{self, AROUND, Bristle, Layout};
 use crate::tier::{Hold, paper, point};
 
-/// Sets the grip of every patch. The bristles of a patch are the `per_slot` ones of its slot.
+/// Sets the grip of every patch. The bristles of a patch are the `per_slot` ones of its slot; `changed` says that the parameters are not those
+/// of the last tick.
 pub fn hold(
     model: &Model<'_>,
     params: &Params,
@@ -18,31 +19,41 @@ pub fn hold(
     bristles: &mut [Bristle],
     per_slot: usize,
     x_wp: &Pose<World, ProbeFrame>,
+    changed: bool,
 ) -> Flags {
     if params.mu_s <= 0.0 {
-        patches.iter_mut().for_each(release);
+        patches.iter_mut().for_each(Patch::forget_friction);
         return Flags::CLEAN;
     }
-    if params.tier == Tier::Paper {
-        return paper::hold(model, params, patches, x_wp);
+    match params.tier {
+        Tier::Paper => paper::hold(model, params, patches, x_wp),
+        Tier::Point => {
+            each(model, params, patches, changed, point::advance);
+            Flags::CLEAN
+        }
+        Tier::Bristle => {
+            let (layout, flags) = fitting(&params.layout, per_slot);
+            each(model, params, patches, changed, |hold, patch| {
+                let start = usize::from(patch.slot) * per_slot;
+                bristle::advance(hold, &layout, patch, &mut bristles[start..start + per_slot]);
+            });
+            flags
+        }
     }
-    let (layout, flags) = fitting(&params.layout, per_slot);
+}
+
+/// Advances every patch that moved, was pressed, or has new parameters.
+fn each(model: &Model<'_>, params: &Params, patches: &mut [Patch], changed: bool, mut advance: impl FnMut(&Hold, &mut Patch)) {
     // what all patches drag along; each rides on the share of the others (shear and bending of the body are common to all)
     let mut dragged = patches.iter().fold(Vec3::ZERO, |sum, patch| sum + patch.to_world(patch.grip.force));
-    for patch in patches.iter_mut().filter(|patch| !is_at_rest(patch)) {
+    for patch in patches.iter_mut().filter(|patch| changed || !is_at_rest(patch)) {
         dragged -= patch.to_world(patch.grip.force);
         let ridden = patch.to_patch(dragged) * patch.body.drag;
         let hold = Hold::new(model, params, patch, ridden);
         patch.ridden = ridden;
-        if params.tier == Tier::Point {
-            point::advance(&hold, patch);
-        } else {
-            let start = usize::from(patch.slot) * per_slot;
-            bristle::advance(&hold, &layout, patch, &mut bristles[start..start + per_slot]);
-        }
+        advance(&hold, patch);
         dragged += patch.to_world(patch.grip.force);
     }
-    flags
 }
 
 /// The layout as far as the state has room for it.
@@ -52,11 +63,6 @@ fn fitting(layout: &Layout, per_slot: usize) -> (Layout, Flags) {
         return (*layout, Flags::CLEAN);
     }
     (layout.at_most(room), Flags::TIER_LOWERED)
-}
-
-/// Without friction there is no stick state.
-fn release(patch: &mut Patch) {
-    patch.grip = Grip::default();
 }
 
 /// Nothing moved and nothing was pressed: a quasi-static contact stays as it is, to the bit.

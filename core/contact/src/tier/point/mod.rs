@@ -35,6 +35,9 @@ pub fn advance(hold: &Hold, patch: &mut Patch) {
         return let_go(patch);
     }
     let mu = friction(hold, patch.point.slid);
+    if mu * hold.load <= f32::MIN_POSITIVE {
+        return slide_freely(hold, patch);
+    }
     let (drag, twist) = (Curve::drag(hold, mu), Curve::twist(hold, mu));
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
     let (force, torque) = (held(&drag, patch.grip.force * kept), held(&twist, Vec2::new(patch.grip.torque * kept, 0.0)));
@@ -60,6 +63,13 @@ fn let_go(patch: &mut Patch) {
     patch.point = PointMemory::default();
     patch.pending = Shift::default();
     patch.grip = Grip::default();
+}
+
+/// Static friction has broken and dynamic friction is nothing: free until the patch stops.
+fn slide_freely(hold: &Hold, patch: &mut Patch) {
+    let slid = if hold.wanted.is_zero() { 0.0 } else { patch.point.slid };
+    let_go(patch);
+    patch.point.slid = slid;
 }
 
 fn friction(hold: &Hold, slid: f32) -> f32 {
