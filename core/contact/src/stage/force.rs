@@ -48,8 +48,7 @@ fn displaced_by_others(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
 const OWNERSHIP: f32 = 0.4;
 
 /// How much of the other's dent a patch feels: all of it while the two are apart. Where they overlap they share one area, which the deeper
-/// owns: the shares of a pair on one spot add up to 1, so that the load is carried about once (9 % too much at equal depth), without
-/// memory and without a second solution (theory.md, section 4).
+/// owns, so that a pair on one spot carries the load once, without memory and without a second solution (theory.md, section 4).
 fn yielding(here: &Patch, other: &Patch) -> f32 {
     let b = other.footprint.radius;
     // a newborn has no radius yet: it will be about as wide
@@ -61,8 +60,12 @@ fn yielding(here: &Patch, other: &Patch) -> f32 {
     let overlap = min((a + b - distance) / (2.0 * min(a, b)), 1.0);
     let lead = (other.depth - here.depth) / (OWNERSHIP * max(other.depth, here.depth));
     let owned = clamp(0.5 + lead, 0.0, 1.0);
-    1.0 - overlap * (1.0 - owned * owned * (3.0 - 2.0 * owned))
+    let owned = owned * owned * (3.0 - 2.0 * owned);
+    1.0 - overlap * (1.0 - owned - EVEN * owned * (1.0 - owned))
 }
+
+/// At equal depth on one spot each feels w of the other's dent with 2 / (1 + w)^(3/2) = 1, so w = 2^(2/3) - 1 = 1/2 + EVEN / 4.
+const EVEN: f32 = 0.349_6;
 
 fn clip(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
