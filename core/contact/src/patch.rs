@@ -100,6 +100,9 @@ pub struct Patch {
     pub grid: Grid,
 }
 
+/// Squared length of a projected tangent below which a new one is taken: the normal then turned by more than 84 degrees in a tick.
+const LEAST_KEPT: f32 = 0.01;
+
 impl Patch {
     /// A newborn patch: no history, no grip.
     pub fn born(part: u8, slot: u8, serial: u32, centre: Vec3, normal: Vec3) -> Self {
@@ -156,7 +159,9 @@ impl Patch {
 
     /// Moves the frame to a new normal without turning about it (parallel transport).
     pub fn carry_to(&mut self, centre: Vec3, normal: Vec3) {
-        self.tangent = direction(self.tangent - normal * self.tangent.dot(normal), perpendicular(normal));
+        let kept = self.tangent - normal * self.tangent.dot(normal);
+        // a normal that jumped onto the tangent leaves nothing to carry but rounding
+        self.tangent = if kept.length_squared() > LEAST_KEPT { direction(kept, self.tangent) } else { perpendicular(normal) };
         self.centre = centre;
         self.normal = normal;
     }

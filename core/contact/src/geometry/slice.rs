@@ -98,7 +98,8 @@ fn of_cone(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
         let trunk = Trunk { tip_radius: 0.0, growth: radius / height, height, start: Vec3::Z * (-0.75 * height) };
         return trunk.cut(support(&ProbeShape::Cone { radius, height }, d), d, z);
     }
-    let spread = cos_tilt * cos_tilt - sin_half * sin_half;
+    // cos^2 tilt - sin^2 half, without its cancellation on flat cones
+    let spread = (cos_tilt * cos_half - sin_tilt * sin_half) * (cos_tilt * cos_half + sin_tilt * sin_half);
     let area = PI * z * z * sin_half * sin_half * cos_half / (spread * root(spread));
     let horizontal = if sin_tilt > 0.0 { (Vec3::Z - d * d.z) / sin_tilt } else { Vec3::ZERO };
     let centre = z * sin_tilt * cos_tilt / spread;
@@ -201,6 +202,9 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
 /// Corners a slice of a box may have while it is clipped: a square and one more for each of six cuts.
 const MAX_CORNERS: usize = 10;
 
+/// Area over squared extent below which a polygon is a sliver to f32.
+const SLIVER: f32 = 1.0e-6;
+
 /// Convex polygon in the slice plane.
 struct Polygon {
     corners: heapless::Vec<Vec2, MAX_CORNERS>,
@@ -233,14 +237,21 @@ impl Polygon {
 
     fn area_and_centroid(&self) -> (f32, Vec2) {
         let Some(&origin) = self.corners.first() else { return (0.0, Vec2::ZERO) };
-        let (mut twice, mut moment) = (0.0, Vec2::ZERO);
+        let (mut twice, mut moment, mut reach2, mut mean) = (0.0, Vec2::ZERO, 0.0, Vec2::ZERO);
         for pair in self.corners.windows(2) {
             let (u, v) = (pair[0] - origin, pair[1] - origin);
             let cross = u.perp_dot(v);
             twice += cross;
             moment += (u + v) * cross;
+            reach2 = max(reach2, v.length_squared());
+            mean += v / self.corners.len() as f32;
         }
-        if twice <= 0.0 { (0.0, origin) } else { (0.5 * twice, origin + moment / (3.0 * twice)) }
+        // a sliver's area is rounding: its corners say better where it is
+        if twice <= SLIVER * reach2 {
+            (max(0.5 * twice, 0.0), origin + mean)
+        } else {
+            (0.5 * twice, origin + moment / (3.0 * twice))
+        }
     }
 
     /// Square roots of the principal second moments about `centre`: their ratio is that of the sides of a rectangle.
