@@ -290,6 +290,26 @@ fn it_ends_when_its_time_is_up_or_its_parent_has_gone() {
 }
 
 #[test]
+fn signals_end_it_in_order_and_ctrl_c_is_its_parent_s_when_it_has_one() {
+    let send = |sim: &Sim, signal: &str| {
+        let line = format!("kill -{signal} {}", sim.child.id());
+        assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
+    };
+    for signal in ["TERM", "INT", "HUP"] {
+        let mut sim = Sim::start(&[]);
+        send(&sim, signal);
+        assert_eq!(sim.exit_code(), Some(0), "{signal}");
+    }
+    let mut tied = Sim::start(&["--until-stdin-closes"]);
+    send(&tied, "INT");
+    let mut host = tied.connect();
+    host.open();
+    host.run_until(|pose| pose.mode == Mode::Force);
+    send(&tied, "TERM");
+    assert_eq!(tied.exit_code(), Some(0));
+}
+
+#[test]
 fn bad_usage_exits_2_and_says_what_is_there() {
     let table = [
         (&["--preset", "falcon"][..], "premium15"),

@@ -58,6 +58,9 @@ pub struct Args {
     /// Ticks over which it then fades to zero and a fault latches
     #[arg(long, value_name = "TICKS", default_value_t = FADE_TICKS)]
     pub fade: u32,
+    /// End when standard input is closed, as after Ctrl-C: for a program that starts this one and may die
+    #[arg(long)]
+    pub until_stdin_closes: bool,
     /// What ticks follow; default: the clock, with USB the device
     #[arg(long, value_enum)]
     pub pace: Option<PaceArg>,
@@ -121,6 +124,8 @@ pub struct Config {
     pub follow: Follow,
     /// How long a wrench outlives its pose.
     pub stale: StaleRule,
+    /// The session ends with standard input.
+    pub until_stdin_closes: bool,
 }
 
 impl Config {
@@ -148,6 +153,7 @@ impl Config {
             },
             ticks: args.seconds.map(|seconds| (seconds * f64::from(args.rate)).ceil() as u64),
             stale: StaleRule { hold: args.hold, fade: args.fade },
+            until_stdin_closes: args.until_stdin_closes,
             model: args.model,
             device: args.device,
             rate_hz: args.rate,

@@ -1,13 +1,14 @@
 //! A run: its threads, the queues between them, and how they end.
 //!
 //! ```text
-//!  signal thread ──stop──► real-time thread ──records, black boxes──► recorder thread ──► files
+//!  signals, stdin ──stop─► real-time thread ──records, black boxes──► recorder thread ──► files
 //!                             ▲        │    └──news──────────────────► status thread ──► stdout, stderr
 //!                             └─ links ─┴── dead links ──► reopening thread
 //! ```
-//! The real-time thread ends first: by its ticks, by a signal, or because the device speaks another version. Its summary ends the others.
+//! The real-time thread ends first: by its ticks, by a signal, with standard input if told so, or because the device speaks another version. Its summary ends the others.
 
 use std::fs;
+use std::io::{Read, stdin};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::{self, Scope, ScopedJoinHandle};
@@ -58,6 +59,9 @@ pub fn run(config: &Config) -> Result<Outcome, HostError> {
     let (scene, digest) = read_scene(config)?;
     let link = open(&config.device)?;
     let stop = stop_on_signals()?;
+    if config.until_stdin_closes {
+        stop_with_stdin(Arc::clone(&stop))?;
+    }
     thread::scope(|scope| supervise(scope, config, &scene, link, digest, &stop))
 }
 
@@ -85,6 +89,21 @@ fn stop_on_signals() -> Result<Arc<AtomicBool>, HostError> {
     // not joined: it waits for ever when no signal comes
     thread::Builder::new().name("signals".into()).spawn(wait).map_err(|reason| HostError::Thread { name: "signals", reason })?;
     Ok(stop)
+}
+
+/// Sets the flag when standard input closes; what comes before is dropped.
+fn stop_with_stdin(stop: Arc<AtomicBool>) -> Result<(), HostError> {
+    let watch = move || {
+        let mut dropped = [0; 256];
+        while matches!(stdin().read(&mut dropped), Ok(n) if n > 0) {}
+        stop.store(true, Ordering::Relaxed);
+    };
+    // not joined: it waits for ever when standard input outlives the session
+    thread::Builder::new()
+        .name("stdin".into())
+        .spawn(watch)
+        .map(drop)
+        .map_err(|reason| HostError::Thread { name: "stdin", reason })
 }
 
 /// Starts the threads, waits for the real-time thread, and ends the others with its summary. Files are created once the real-time

@@ -4,7 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use haptor_wire::recording::RecordReader;
 use haptor_wire::scene_file::{FILE_MAX, encode_file};
@@ -77,6 +78,12 @@ fn host(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_haptor-host")).args(args).output().unwrap()
 }
 
+/// A host whose standard input this program holds.
+fn tied_host(args: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_haptor-host"));
+    command.args(args).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -142,6 +149,33 @@ fn a_recording_that_cannot_be_created_ends_the_session() {
     drop(device.1.join());
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("cannot create the recording /no-such-folder/s.rec: "), "{}", stderr(&output));
+}
+
+#[test]
+fn a_host_tied_to_its_standard_input_ends_with_it_and_its_recording_is_whole() {
+    let folder = Folder::new("tied");
+    let (model, record) = (folder.model(Tier::Point), folder.path("s.rec"));
+    // takes the connection and says nothing for as long as the test runs
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let device = format!("tcp:{}", listener.local_addr().unwrap());
+    let mut host = tied_host(&[&model, "--device", &device, "--rt", "ignore", "--record", &record, "--until-stdin-closes"]);
+    let stream = listener.accept().unwrap();
+    let began = Instant::now();
+    let patient = || {
+        assert!(began.elapsed() < Duration::from_secs(20), "the host hangs");
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    while !PathBuf::from(&record).exists() {
+        patient();
+    }
+    assert!(host.try_wait().unwrap().is_none(), "it runs while it is held");
+    drop(host.stdin.take());
+    while host.try_wait().unwrap().is_none() {
+        patient();
+    }
+    drop(stream);
+    let file = fs::read(record).unwrap();
+    assert!(matches!(RecordReader::new(&file).last(), Some(Ok(Record::End(_)))));
 }
 
 /// A device that takes the connection, keeps it for a while and says `words`.

@@ -35,7 +35,7 @@ pub struct Args {
     /// End after this many seconds
     #[arg(long, value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// End when standard input is closed
+    /// End when standard input is closed; Ctrl-C is then left to whoever holds it open
     #[arg(long)]
     pub until_stdin_closes: bool,
     /// Milliseconds without an answer until the device brakes, 1 to 8191; raise it where the machine is not real-time

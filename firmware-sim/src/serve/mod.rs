@@ -14,6 +14,7 @@ use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::script::Reach;
 use haptor_firmware_sim::{Device, Preset, Script, TxBuf};
 use haptor_wire::Mode;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use args::{Args, Resolution};
 use clock::Clock;
@@ -29,12 +30,12 @@ const GARBAGE_BYTES: usize = 64;
 /// Bytes read in a turn at most: a thousand times what a host should send.
 const READ_BYTES: usize = 64 * 1024;
 
-/// Serves until the time is up, standard input closes or the drill says so.
+/// Serves until the time is up, standard input closes, a signal comes or the drill says so.
 pub fn run(args: &Args) -> Result<()> {
     let mut server = Server::new(args)?;
+    let stop = stop_on_signals(args).context("cannot watch for signals")?;
     println!("serving {}", server.link.place()?);
     stdout().flush().context("cannot say where it serves")?;
-    let stop = Arc::new(AtomicBool::new(false));
     if args.until_stdin_closes {
         watch_stdin(Arc::clone(&stop));
     }
@@ -48,6 +49,17 @@ pub fn run(args: &Args) -> Result<()> {
     }
     server.say_how_it_went(&clock);
     Ok(())
+}
+
+/// A flag that ending signals set. The parent that holds our standard input gets the same Ctrl-C and decides what it means.
+fn stop_on_signals(args: &Args) -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGTERM, SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    let interrupted = if args.until_stdin_closes { Arc::default() } else { Arc::clone(&stop) };
+    signal_hook::flag::register(SIGINT, interrupted)?;
+    Ok(stop)
 }
 
 fn watch_stdin(stop: Arc<AtomicBool>) {

@@ -178,14 +178,14 @@ impl<C: Clock> Control<'_, C> {
 
     /// The wrench to send by the stale rule.
     pub(super) fn choose(&mut self, offer: &Offer, got: &Arrivals, slot: &Slot) -> Wrench<DeviceBase> {
-        let (wrench, served) = self.output.serve(offer);
+        let (wrench, served) = self.output.serve(offer, slot.slept_through);
         match served {
             Served::Fresh => {}
             Served::Held => self.memory.record.flags |= flags::HELD,
             Served::Closed => self.memory.record.flags |= flags::CLOSED,
-            Served::Expired => {
+            Served::Expired { after_ticks } => {
                 self.memory.record.flags |= flags::CLOSED;
-                self.trip(stale_cause(got.nonsense, self.memory.refused), self.settings.stale.zero_after(), slot);
+                self.trip(stale_cause(got.nonsense, self.memory.refused), after_ticks, slot);
             }
         }
         wrench

@@ -6,6 +6,8 @@
 //!     ▲                       any other fault: at once                                        │
 //!     └──────── the contact's wrench was small for CALM ticks in a row ◄──────────────────────┘
 //! ```
+//! A tick is a period: those that the thread slept through count too, from the first look that found no pose on.
+//!
 //! The last rule is CHAI3D's (`cGenericTool`, "wait for small force"): after a fault a hand that is deep in the object is not hit by
 //! the full force at once, it has to come out first. The fault stays latched for the session's end; only the output opens again.
 
@@ -73,7 +75,10 @@ pub enum Served {
     /// The last one, whole or faded.
     Held,
     /// The last one has just faded to zero: the output closes with this tick.
-    Expired,
+    Expired {
+        /// Ticks without a fresh pose, this one among them.
+        after_ticks: u32,
+    },
     /// Zero: the output is closed.
     Closed,
 }
@@ -111,8 +116,8 @@ impl Output {
         self.open
     }
 
-    /// The wrench to send in this tick, and why that one.
-    pub fn serve(&mut self, offer: &Offer) -> (Wrench<DeviceBase>, Served) {
+    /// The wrench to send in this tick, and why that one; `slept_through` = periods without a tick since the tick before.
+    pub fn serve(&mut self, offer: &Offer, slept_through: u64) -> (Wrench<DeviceBase>, Served) {
         if !self.open {
             self.count_calm(offer);
             return (Wrench::ZERO, Served::Closed);
@@ -123,15 +128,18 @@ impl Output {
                 self.last = wrench;
                 (wrench, Served::Fresh)
             }
-            Offer::Missing => self.hold_or_fade(),
+            Offer::Missing => self.hold_or_fade(slept_through),
         }
     }
 
-    fn hold_or_fade(&mut self) -> (Wrench<DeviceBase>, Served) {
-        self.missing += 1;
+    fn hold_or_fade(&mut self, slept_through: u64) -> (Wrench<DeviceBase>, Served) {
+        // a thread that slept before its first look without a pose cannot say that the device was silent meanwhile
+        let silent = if self.missing == 0 { 0 } else { u32::try_from(slept_through).unwrap_or(u32::MAX) };
+        self.missing = self.missing.saturating_add(1).saturating_add(silent);
         if self.missing >= self.rule.zero_after() {
+            let after_ticks = self.missing;
             self.close();
-            return (Wrench::ZERO, Served::Expired);
+            return (Wrench::ZERO, Served::Expired { after_ticks });
         }
         let left = self.rule.zero_after() - self.missing.max(self.rule.hold);
         let share = left as f32 / self.rule.fade as f32;
@@ -167,31 +175,45 @@ mod tests {
     #[test]
     fn hold_then_fade_then_zero_and_closed() {
         let mut output = opened();
-        assert_eq!(output.serve(&fresh(8.0)).1, Served::Fresh);
-        let served: Vec<_> = (0..HOLD_TICKS + FADE_TICKS).map(|_| output.serve(&Offer::Missing)).collect();
+        assert_eq!(output.serve(&fresh(8.0), 0).1, Served::Fresh);
+        let served: Vec<_> = (0..HOLD_TICKS + FADE_TICKS).map(|_| output.serve(&Offer::Missing, 0)).collect();
         let force: Vec<f32> = served.iter().map(|(wrench, _)| wrench.force.z).collect();
         assert_eq!(force[..4], [8.0; 4]);
         assert_eq!(force[4..], (0..16).rev().map(|i| i as f32 * 0.5).collect::<Vec<_>>());
-        assert_eq!(served.last().unwrap().1, Served::Expired);
-        assert_eq!(output.serve(&fresh(8.0)), (Wrench::ZERO, Served::Closed));
+        assert_eq!(served.last().unwrap().1, Served::Expired { after_ticks: 20 });
+        assert_eq!(output.serve(&fresh(8.0), 0), (Wrench::ZERO, Served::Closed));
     }
 
     #[test]
     fn the_shortest_rule_is_zero_at_the_second_tick() {
         let mut output = Output::new(StaleRule { hold: 1, fade: 1 });
         output.open();
-        output.serve(&fresh(8.0));
-        assert_eq!(output.serve(&Offer::Missing).0.force.z.to_bits(), 8.0_f32.to_bits());
-        assert_eq!(output.serve(&Offer::Missing), (Wrench::ZERO, Served::Expired));
+        output.serve(&fresh(8.0), 0);
+        assert_eq!(output.serve(&Offer::Missing, 0).0.force.z.to_bits(), 8.0_f32.to_bits());
+        assert_eq!(output.serve(&Offer::Missing, 0), (Wrench::ZERO, Served::Expired { after_ticks: 2 }));
+    }
+
+    #[test]
+    fn periods_slept_through_count_once_the_device_is_known_to_be_silent() {
+        let mut output = opened();
+        output.serve(&fresh(8.0), 0);
+        // slept for long, then nothing there: the device may have been about to speak
+        assert_eq!(output.serve(&Offer::Missing, 1_000).1, Served::Held);
+        // 1 + 1 + 9 of 20 gone, 4 of them the hold's: 9 of 16 are left
+        assert_eq!(output.serve(&Offer::Missing, 9).0.force.z.to_bits(), (8.0_f32 * 9.0 / 16.0).to_bits());
+        assert_eq!(output.serve(&Offer::Missing, u64::MAX), (Wrench::ZERO, Served::Expired { after_ticks: u32::MAX }));
+        output.open();
+        output.serve(&fresh(8.0), 1_000);
+        assert_eq!(output.serve(&Offer::Missing, 0).1, Served::Held, "a pose makes all of it good");
     }
 
     #[test]
     fn a_pose_in_time_starts_the_hold_anew() {
         let mut output = opened();
         for _ in 0..100 {
-            output.serve(&fresh(2.0));
+            output.serve(&fresh(2.0), 0);
             for _ in 1..HOLD_TICKS + FADE_TICKS {
-                assert_eq!(output.serve(&Offer::Missing).1, Served::Held);
+                assert_eq!(output.serve(&Offer::Missing, 0).1, Served::Held);
             }
         }
     }
@@ -201,11 +223,11 @@ mod tests {
         let mut output = opened();
         output.close();
         for interruption in [fresh(5.0), Offer::Missing] {
-            (1..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.0)).1, Served::Closed));
-            output.serve(&interruption);
+            (1..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.0), 0).1, Served::Closed));
+            output.serve(&interruption, 0);
         }
-        (0..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.05)).1, Served::Closed));
+        (0..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.05), 0).1, Served::Closed));
         assert!(output.is_open());
-        assert_eq!(output.serve(&fresh(1.0)).1, Served::Fresh);
+        assert_eq!(output.serve(&fresh(1.0), 0).1, Served::Fresh);
     }
 }
