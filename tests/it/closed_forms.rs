@@ -14,8 +14,8 @@ const G: f64 = 1.0e6;
 const E_STAR: f64 = 4.0e6;
 const MU: f64 = 0.75;
 
-/// Line contacts are told by a disc of equal area, which is softer than a long strip.
-const SIDE_TOLERANCE: f64 = 0.5;
+/// The reference ends where the straight part does; the round ends add to it as the contact widens.
+const SIDE_TOLERANCE: f64 = 0.15;
 
 fn near(found: f64, expected: f64, relative: f64, what: &str) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{what}: {found}, expected {expected}");

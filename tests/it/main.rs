@@ -1,14 +1,24 @@
 //! One binary for every test that needs more than one crate. One module per promise.
 
+mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
 #[path = "../support/cli.rs"]
 mod cli;
+mod closed_forms;
+mod determinism;
 mod device_demo;
 mod docs;
 mod eval_cli;
+mod extremes;
+mod histories;
 mod host_rig;
+mod invariance;
 mod link_faults;
+mod no_alloc;
 mod no_alloc_host;
+mod profiles;
 mod scene_errors;
 mod session;
+#[path = "../support/mod.rs"]
+mod support;

@@ -61,6 +61,12 @@ impl Patch {
         }
     }
 
+    /// Presses a sphere's contact to `radius` <= 1 of the full one; its load goes as the cube. The next step is solved under it. Cells that
+    /// leave the contact lose their traction, cells that enter do so free of traction, where they are.
+    pub fn press(&mut self, radius: f64) {
+        self.caps = Profile::Hertz.caps_of(&self.grid, radius, radius.powi(3));
+    }
+
     /// Number of cells.
     #[must_use]
     pub fn cells(&self) -> usize {

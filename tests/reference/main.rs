@@ -1,10 +1,11 @@
 //! `reference`: writes the tables of reference answers.
 //!
 //! `cargo run --release -p haptor-tests --bin reference -- turning -o tests/truth/turning_paths.json`
-//! writes the turning paths; `straight` and `all` the others. `--profile` sets the pressure, `--across N` cells over the diameter,
+//! writes the turning paths; `straight` and `all` the others; `pressed` the histories whose load changes. `--profile` sets the pressure, `--across N` cells over the diameter,
 //! `--rows N` the rows per path.
 
 use haptor_tests::reference::paths::{PATHS, Path};
+use haptor_tests::reference::pressed;
 use haptor_tests::reference::profile::Profile;
 use haptor_tests::reference::table;
 use std::process::ExitCode;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 const ACROSS: usize = 24;
 /// Rows per path, each of several steps.
 const ROWS: usize = 240;
-const USAGE: &str = "usage: reference straight|turning|all -o FILE [--profile hertz|cone|punch] [--across N] [--rows N]";
+const USAGE: &str = "usage: reference straight|turning|all|pressed -o FILE [--profile hertz|cone|punch] [--across N] [--rows N]";
 
 struct Request {
     profile: Profile,
@@ -39,6 +40,7 @@ fn parse(args: &[String]) -> Result<Request, String> {
         "straight" => PATHS.iter().filter(|p| !p.turning).copied().collect(),
         "turning" => PATHS.iter().filter(|p| p.turning).copied().collect(),
         "all" => PATHS.to_vec(),
+        "pressed" => Vec::new(),
         _ => return Err(USAGE.into()),
     };
     let mut request = Request { paths, profile: Profile::Hertz, across: ACROSS, rows: ROWS, out: String::new() };
@@ -61,7 +63,12 @@ fn parse(args: &[String]) -> Result<Request, String> {
 }
 
 fn write(request: &Request) -> Result<(), String> {
-    let table = table::run(&request.paths, request.profile, request.across, request.rows, &mut |line| eprintln!("{line}"));
-    let text = serde_json::to_string(&table).map_err(|e| e.to_string())?;
+    let progress = &mut |line: &str| eprintln!("{line}");
+    let text = if request.paths.is_empty() {
+        serde_json::to_string(&pressed::run(request.across, request.rows, progress))
+    } else {
+        serde_json::to_string(&table::run(&request.paths, request.profile, request.across, request.rows, progress))
+    };
+    let text = text.map_err(|e| e.to_string())?;
     std::fs::write(&request.out, text + "\n").map_err(|e| format!("{}: {e}", request.out))
 }

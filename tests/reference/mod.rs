@@ -13,7 +13,7 @@
 //! phi0 = T_max / K_theta, with T_max = (3 pi / 16) mu P a and K_theta = (16/3) G a^3. Forces come in mu P, torques in
 //! the profile's own T_max.
 //!
-//! Limits: a plane half space, a circular patch of fixed radius and load, Poisson's ratio 0.5 (so that friction
+//! Limits: a plane half space, a circular patch (of fixed radius and load, but for the histories of [`pressed`]), Poisson's ratio 0.5 (so that friction
 //! does not disturb the pressure), one friction coefficient.
 //!
 //! Convergence: 448 cells (the committed tables) against 1020 differ by at most 0.3 % of mu P and 0.5 % of T_max;
@@ -27,5 +27,6 @@
 pub mod coulomb;
 pub mod half_space;
 pub mod paths;
+pub mod pressed;
 pub mod profile;
 pub mod table;

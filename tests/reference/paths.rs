@@ -33,12 +33,12 @@ impl Path {
 }
 
 /// Position on the polyline through `corners`, each leg taking the same progress.
-fn legs(t: f64, corners: &[Pose]) -> Pose {
+pub(super) fn legs<const N: usize>(t: f64, corners: &[[f64; N]]) -> [f64; N] {
     let count = corners.len() - 1;
     let along = t * count as f64;
     let leg = (along as usize).min(count - 1);
     let part = along - leg as f64;
-    [0, 1, 2].map(|k| corners[leg][k] + part * (corners[leg + 1][k] - corners[leg][k]))
+    std::array::from_fn(|k| corners[leg][k] + part * (corners[leg + 1][k] - corners[leg][k]))
 }
 
 /// Point on a circle about (0, 0).

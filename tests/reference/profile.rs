@@ -64,10 +64,21 @@ impl Profile {
     /// Friction limit of every cell of `grid` as a traction; the limits times the cell area sum to 1.
     #[must_use]
     pub fn caps(self, grid: &Grid) -> Vec<f64> {
+        self.caps_of(grid, 1.0, 1.0)
+    }
+
+    /// The same for a contact of `radius` <= 1 that carries `load`, in the units of the full one.
+    ///
+    /// # Panics
+    /// If `radius` is so small that no cell lies in the contact.
+    #[must_use]
+    pub fn caps_of(self, grid: &Grid, radius: f64, load: f64) -> Vec<f64> {
         let area = grid.edge * grid.edge;
-        let raw: Vec<f64> = grid.centres.iter().map(|c| self.mean_pressure(*c, grid.edge)).collect();
+        let scaled = |c: &[f64; 2]| self.mean_pressure(c.map(|x| x / radius), grid.edge / radius);
+        let raw: Vec<f64> = grid.centres.iter().map(scaled).collect();
         let total: f64 = raw.iter().sum::<f64>() * area;
-        raw.iter().map(|p| p / total).collect()
+        assert!(total > 0.0, "radius = {radius}, allowed: at least a cell");
+        raw.iter().map(|p| p * load / total).collect()
     }
 
     /// Mean pressure over a cell, by midpoints.

@@ -83,7 +83,7 @@ fn follow(path: &Path, patch: &mut Patch, rows: usize) -> Row {
     row
 }
 
-fn rounded(x: f64) -> f64 {
+pub(super) fn rounded(x: f64) -> f64 {
     let kept = (x * DECIMALS).round() / DECIMALS;
     // minus zero prints differently from zero
     if kept == 0.0 { 0.0 } else { kept }
