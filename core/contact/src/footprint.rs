@@ -8,7 +8,7 @@ use crate::geometry::curvature::{self, Curvature};
 use crate::geometry::deepest::{Deepest, PartFrame};
 use crate::geometry::gap::deepest_meaningful;
 use crate::geometry::slice::{Slice, slice};
-use crate::geometry::support::reach;
+use crate::geometry::support;
 use crate::math::{GAUSS_4, PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{FORCE_TABLE_LEN, ForceLaw};
@@ -67,8 +67,8 @@ impl Seat {
             d,
             curvatures: of_part.plus(object).principal(),
             object_mean: object.mean(),
-            widest: widest_disc(&model.object, n),
-            deepest_meaningful: min(deepest_meaningful(&model.object), reach(&part.shape)),
+            widest: min(widest_disc(&model.object, n), support::widest_disc(&part.shape)),
+            deepest_meaningful: min(deepest_meaningful(&model.object), support::half_thickness(&part.shape)),
         }
     }
 
@@ -98,7 +98,8 @@ impl Seat {
         } else {
             self.sliced(contact_modulus, depth_used)
         };
-        footprint.large_strain |= depth > self.deepest_meaningful;
+        footprint.large_strain |= depth > self.deepest_meaningful || footprint.radius > self.widest;
+        footprint.radius = min(footprint.radius, self.widest);
         footprint
     }
 
@@ -243,7 +244,8 @@ pub fn law_load(law: &ForceLaw, depth: f32) -> Option<f32> {
         ForceLaw::Table { step, force } => {
             let place = clamp(depth / step, 0.0, (FORCE_TABLE_LEN - 1) as f32);
             let index = min(place, (FORCE_TABLE_LEN - 2) as f32) as usize;
-            Some(force[index] + (force[index + 1] - force[index]) * (place - index as f32))
+            let [low, high] = force.get(index..).and_then(<[f32]>::first_chunk).copied().unwrap_or_default();
+            Some(low + (high - low) * (place - index as f32))
         }
     }
 }

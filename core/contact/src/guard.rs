@@ -76,6 +76,9 @@ pub(crate) fn guard(spec: &GuardSpec, state: &mut GuardState, contact: &Wrench<W
     let most = |rate: f32| if dt > 0.0 { rate * dt } else { 0.0 };
     let force = last.force + limit(force - last.force, most(spec.max_force_rate), Flags::FORCE_SLEWED, &mut flags);
     let torque = last.torque + limit(torque - last.torque, most(spec.max_torque_rate), Flags::TORQUE_SLEWED, &mut flags);
+    // a limit lowered between ticks holds at once
+    let force = limit(force, spec.max_force, Flags::FORCE_LIMITED, &mut flags);
+    let torque = limit(torque, spec.max_torque, Flags::TORQUE_LIMITED, &mut flags);
     state.wrench = Wrench::new(force, torque);
     (state.wrench, flags)
 }

@@ -130,11 +130,16 @@ impl Patch {
         }
     }
 
-    /// Lets go of everything that friction held, in every tier.
-    pub fn forget_friction(&mut self) {
-        (self.grip, self.pending, self.ridden) = (Grip::default(), Shift::default(), Vec2::ZERO);
-        (self.point, self.grid) = (PointMemory::default(), Grid::default());
+    /// Forgets how the grip came about, in every tier; the grip itself stays.
+    pub fn forget_history(&mut self) {
+        (self.pending, self.point, self.grid) = (Shift::default(), PointMemory::default(), Grid::default());
         self.paper = PaperMemory { anchor: self.total.drag, ..PaperMemory::default() };
+    }
+
+    /// Lets go of everything that friction held.
+    pub fn forget_friction(&mut self) {
+        self.forget_history();
+        (self.grip, self.ridden) = (Grip::default(), Vec2::ZERO);
     }
 
     /// Second tangent of c.

@@ -84,10 +84,10 @@ fn drop_what_is_not_finite(memory: &mut Memory, patches: &mut VecView<Patch>) ->
     Flags::NON_FINITE
 }
 
-/// Notices new parameters. A new tier starts without friction history: what one tier remembers means nothing to another.
+/// Notices new parameters. A new tier takes over what the patches hold; how it came about means nothing to it.
 fn take_up_params(params: &Params, memory: &mut Memory, patches: &mut [Patch]) -> bool {
     if memory.tier != Some(params.tier) {
-        patches.iter_mut().for_each(Patch::forget_friction);
+        patches.iter_mut().for_each(Patch::forget_history);
     }
     let changed = memory.fingerprint != Some(params.fingerprint);
     (memory.tier, memory.fingerprint) = (Some(params.tier), Some(params.fingerprint));
@@ -119,16 +119,15 @@ fn is_still(params: &Params, memory: &Memory, now: &Pose<World, ProbeFrame>) -> 
 /// Checks the pose and normalises it; `None` keeps the last good state.
 fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>>, Flags) {
     let Input { pose, dt } = *input;
-    let norm = root(pose.rotation.length_squared());
-    let sound = pose.position.is_finite()
-        && pose.position.length() <= MAX_DISTANCE
-        && (norm - 1.0).abs() <= QUATERNION_TOLERANCE
-        && dt > 0.0
-        && dt.is_finite();
-    if !sound {
+    if !(dt > 0.0 && dt.is_finite()) {
         return (None, Flags::POSE_REFUSED);
     }
     memory.since_last_pose += dt;
+    let norm = root(pose.rotation.length_squared());
+    let sound = pose.position.is_finite() && pose.position.length() <= MAX_DISTANCE && (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
+    if !sound {
+        return (None, Flags::POSE_REFUSED);
+    }
     if memory.last_pose.is_some_and(|last| is_jump(&last, &pose, memory.since_last_pose)) {
         return (None, Flags::POSE_REFUSED | Flags::POSE_JUMP);
     }

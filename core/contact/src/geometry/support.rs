@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::geometry::ellipsoid;
-use crate::math::{clamp, clamp_to_box, direction, root};
+use crate::math::{clamp, clamp_to_box, direction, min, root};
 use crate::model::ProbeShape;
 
 /// Farthest point of the shape along `d` (any length) \[m\].
@@ -98,6 +98,27 @@ pub fn reach(shape: &ProbeShape) -> f32 {
         ProbeShape::Cone { radius, height } => {
             let base = root(radius * radius + 0.0625 * height * height);
             if base > 0.75 * height { base } else { 0.75 * height }
+        }
+    }
+}
+
+/// Half the smallest extent of the shape: depths beyond it mean nothing \[m\].
+pub fn half_thickness(shape: &ProbeShape) -> f32 {
+    match *shape {
+        ProbeShape::Sphere { radius } | ProbeShape::Capsule { radius, .. } => radius,
+        ProbeShape::Box { size } => 0.5 * size.min_element(),
+        ProbeShape::Ellipsoid { semi_axes } => semi_axes.min_element(),
+        ProbeShape::Cylinder { radius, height } | ProbeShape::Cone { radius, height } => min(radius, 0.5 * height),
+    }
+}
+
+/// Radius of the widest disc a contact of the shape can cover \[m\].
+pub fn widest_disc(shape: &ProbeShape) -> f32 {
+    match *shape {
+        ProbeShape::Sphere { radius } => radius,
+        ProbeShape::Ellipsoid { semi_axes: a } => root(a.x * a.y * a.z / a.min_element()),
+        ProbeShape::Box { .. } | ProbeShape::Cylinder { .. } | ProbeShape::Cone { .. } | ProbeShape::Capsule { .. } => {
+            reach(shape)
         }
     }
 }

@@ -151,7 +151,7 @@ fn number_from_zero(patches: &mut [Patch]) {
             patches[i].region = next;
             next += 1;
         } else {
-            patches[i].region = patches[usize::from(label)].region;
+            patches[i].region = patches.get(usize::from(label)).map_or(0, |patch| patch.region);
         }
     }
 }

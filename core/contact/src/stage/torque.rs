@@ -35,7 +35,9 @@ pub fn hold(
             let (layout, flags) = fitting(&params.layout, per_slot);
             each(model, params, patches, changed, |hold, patch| {
                 let start = usize::from(patch.slot) * per_slot;
-                bristle::advance(hold, &layout, patch, &mut bristles[start..start + per_slot]);
+                if let Some(cells) = bristles.get_mut(start..start + per_slot) {
+                    bristle::advance(hold, &layout, patch, cells);
+                }
             });
             flags
         }

@@ -7,6 +7,7 @@
 use glam::Vec2;
 
 use crate::math::{clamp, max, min};
+use crate::patch::Grip;
 use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::{AROUND, Bristle, Layout, MAX_RINGS};
 
@@ -17,6 +18,8 @@ pub struct Grid {
     pub width: f32,
     /// Contact radius the bristles were last fitted to \[m\].
     pub radius: f32,
+    /// Rings the grid was laid with.
+    pub rings: usize,
 }
 
 /// Rings in contact on a fresh grid, as a share of the layout's rings: room to grow by a quarter.
@@ -26,27 +29,46 @@ const FRESH: f32 = 0.8;
 const FEWEST: f32 = 0.6;
 
 impl Grid {
-    /// Lays the grid anew when `radius` has left its range.
-    pub fn fit(&mut self, layout: &Layout, radius: f32, bristles: &mut [Bristle]) {
+    /// Lays the grid anew when `radius` has left its range or the number of rings has changed; a new grid takes up what is `held`.
+    pub fn fit(&mut self, layout: &Layout, radius: f32, held: &Grip, bristles: &mut [Bristle]) {
         let rings = layout.rings as f32;
+        let fresh = radius / (FRESH * rings);
         if self.width <= 0.0 {
             bristles.fill(Bristle::default());
-            self.width = radius / (FRESH * rings);
-        } else if radius > self.width * rings || radius < self.width * FEWEST * rings {
-            let width = radius / (FRESH * rings);
-            share_out(layout, self, width, bristles);
-            self.width = width;
+            self.width = fresh;
+            seed(layout, fresh, radius, held, bristles);
+        } else if self.rings != layout.rings || radius > self.width * rings || radius < self.width * FEWEST * rings {
+            share_out(layout, self, fresh, bristles);
+            self.width = fresh;
         }
-        self.radius = radius;
+        (self.radius, self.rings) = (radius, layout.rings);
+    }
+}
+
+/// Spreads a grip that another tier held: the force by area, the torque as a hoop force that grows with the radius.
+fn seed(layout: &Layout, width: f32, radius: f32, held: &Grip, bristles: &mut [Bristle]) {
+    if held.force == Vec2::ZERO && held.torque == 0.0 {
+        return;
+    }
+    let share = |k: usize| {
+        let (inner, outer) = (min(width * k as f32 / radius, 1.0), min(width * (k + 1) as f32 / radius, 1.0));
+        (outer * outer - inner * inner) / AROUND as f32
+    };
+    let arms: f32 = (0..layout.rings).map(|k| share(k) * middle(width, k) * middle(width, k)).sum::<f32>() * AROUND as f32;
+    for (k, cells) in bristles.chunks_exact_mut(AROUND).take(layout.rings).enumerate() {
+        for (j, cell) in cells.iter_mut().enumerate() {
+            let hoop = layout.direction(k, j).perp() * (held.torque * middle(width, k) / arms);
+            cell.force = (held.force + hoop) * share(k);
+        }
     }
 }
 
 /// Moves every cell's force to the cells of the new grid that overlap it. The part beyond the last new ring is lost: it lies outside
 /// the contact, where the cap is zero.
 fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Bristle]) {
-    let before = moments(layout, grid.width, bristles);
-    let mut next = [Bristle::default(); MAX_RINGS * AROUND];
-    for k in 0..layout.rings {
+    let before = moments(layout, grid.rings, grid.width, bristles);
+    let mut next = [[Bristle::default(); AROUND]; MAX_RINGS];
+    for k in 0..grid.rings {
         let (inner, outer) = (grid.width * k as f32, min(grid.width * (k + 1) as f32, max(grid.radius, grid.width * k as f32)));
         let area = outer * outer - inner * inner;
         if area <= 0.0 {
@@ -60,17 +82,20 @@ fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Brist
             }
             let share = (high * high - low * low) / area;
             let turn = layout.turn(k, to);
-            hand_over(share, turn, &bristles[k * AROUND..][..AROUND], &mut next[to * AROUND..][..AROUND]);
+            if let (Some(from), Some(into)) = (pair(bristles, k), next.get_mut(to)) {
+                hand_over(share, turn, from, into);
+            }
         }
     }
-    let used = layout.rings * AROUND;
-    bristles[..used].copy_from_slice(&next[..used]);
+    for (cell, new) in bristles.iter_mut().zip(next.as_flattened()) {
+        *cell = *new;
+    }
     restore_torque(layout, new_width, before, bristles);
 }
 
 /// Hands `share` of a pair to a pair that stands `turn` further round. What the two have in common is a drag and keeps its direction; what
 /// they have opposite is a twist and turns with them.
-fn hand_over(share: f32, turn: Vec2, from: &[Bristle], to: &mut [Bristle]) {
+fn hand_over(share: f32, turn: Vec2, from: &[Bristle; AROUND], to: &mut [Bristle; AROUND]) {
     let common = (from[0].force + from[1].force) * 0.5;
     let opposite = turn.rotate((from[0].force - from[1].force) * 0.5);
     to[0].force += (common + opposite) * share;
@@ -79,12 +104,17 @@ fn hand_over(share: f32, turn: Vec2, from: &[Bristle], to: &mut [Bristle]) {
     to[1].slipped = max(to[1].slipped, from[1].slipped);
 }
 
+/// The pair of ring `k`.
+fn pair(bristles: &[Bristle], k: usize) -> Option<&[Bristle; AROUND]> {
+    bristles.get(k * AROUND..)?.first_chunk()
+}
+
 /// Torque about the centre with every cell's force at the middle of its ring \[N m\].
-fn moments(layout: &Layout, width: f32, bristles: &[Bristle]) -> f32 {
+fn moments(layout: &Layout, rings: usize, width: f32, bristles: &[Bristle]) -> f32 {
     let mut torque = 0.0;
-    for k in 0..layout.rings {
-        for j in 0..AROUND {
-            torque += middle(width, k) * layout.direction(k, j).perp_dot(bristles[k * AROUND + j].force);
+    for (k, cells) in bristles.chunks_exact(AROUND).take(rings).enumerate() {
+        for (j, cell) in cells.iter().enumerate() {
+            torque += middle(width, k) * layout.direction(k, j).perp_dot(cell.force);
         }
     }
     torque
@@ -96,12 +126,11 @@ fn middle(width: f32, k: usize) -> f32 {
 
 /// Turns the lost or gained torque back in as a hoop force that grows with the radius.
 fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bristle]) {
-    let missing = before - moments(layout, width, bristles);
+    let missing = before - moments(layout, layout.rings, width, bristles);
     let arms: f32 = (0..layout.rings).map(|k| middle(width, k) * middle(width, k)).sum::<f32>() * AROUND as f32;
-    for k in 0..layout.rings {
-        for j in 0..AROUND {
-            let hoop = layout.direction(k, j).perp();
-            bristles[k * AROUND + j].force += hoop * (missing * middle(width, k) / arms);
+    for (k, cells) in bristles.chunks_exact_mut(AROUND).take(layout.rings).enumerate() {
+        for (j, cell) in cells.iter_mut().enumerate() {
+            cell.force += layout.direction(k, j).perp() * (missing * middle(width, k) / arms);
         }
     }
 }
@@ -109,12 +138,12 @@ fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bris
 /// Takes away the traction that rolled out of the contact, and what lies outside it.
 pub fn thin(layout: &Layout, rings: &Rings, bristles: &mut [Bristle], kept: f32) {
     let kept = clamp(kept, 0.0, 1.0);
-    if kept < 1.0 {
-        for bristle in &mut bristles[..rings.len() * AROUND] {
+    let inside = rings.len() * AROUND;
+    for (i, bristle) in bristles.iter_mut().take(layout.rings * AROUND).enumerate() {
+        if i >= inside {
+            *bristle = Bristle::default();
+        } else if kept < 1.0 {
             bristle.force *= kept;
         }
-    }
-    for bristle in &mut bristles[rings.len() * AROUND..layout.rings * AROUND] {
-        *bristle = Bristle::default();
     }
 }

@@ -66,13 +66,14 @@ impl Layout {
 
     /// Rotation from the place of ring `from` to that of ring `to`, as the unit complex number (cos, sin).
     pub fn turn(&self, from: usize, to: usize) -> Vec2 {
-        let (a, b) = (self.directions[from], self.directions[to]);
+        let (a, b) = (self.direction(from, 0), self.direction(to, 0));
         Vec2::new(a.dot(b), a.perp_dot(b))
     }
 
     /// Unit vector to bristle `j` of ring `k`.
     pub fn direction(&self, k: usize, j: usize) -> Vec2 {
-        if j == 0 { self.directions[k] } else { -self.directions[k] }
+        let first = self.directions.get(k).copied().unwrap_or_default();
+        if j == 0 { first } else { -first }
     }
 }
 
@@ -81,7 +82,7 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(patch, bristles);
     }
-    patch.grid.fit(layout, hold.radius, bristles);
+    patch.grid.fit(layout, hold.radius, &patch.grip, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
     grid::thin(layout, &rings, bristles, kept);

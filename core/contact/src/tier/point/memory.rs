@@ -33,7 +33,12 @@ impl Default for Memory {
 
 impl Memory {
     fn last(&self) -> Turn {
-        self.turns[self.len - 1]
+        self.turn(1)
+    }
+
+    /// The turning point `back` places from the end, counted from 1.
+    fn turn(&self, back: usize) -> Turn {
+        self.turns.get(self.len.wrapping_sub(back)).copied().unwrap_or_default()
     }
 
     /// 1 on the fresh curve, 2 after a reversal.
@@ -59,7 +64,7 @@ impl Memory {
         if step.dot(self.last().at) > 0.0 {
             self.push(Turn { at: Vec2::ZERO, load: self.load(curve) });
         }
-        for turn in &mut self.turns[..self.len] {
+        for turn in self.turns.iter_mut().take(self.len) {
             turn.at -= step;
         }
         self.close_loops();
@@ -70,7 +75,9 @@ impl Memory {
         if self.len < TURNS {
             self.len += 1;
         }
-        self.turns[self.len - 1] = turn;
+        if let Some(place) = self.turns.get_mut(self.len.wrapping_sub(1)) {
+            *place = turn;
+        }
     }
 
     fn close_loops(&mut self) {
@@ -78,7 +85,7 @@ impl Memory {
             if self.len < 2 {
                 return;
             }
-            let (previous, last) = (self.turns[self.len - 2], self.last());
+            let (previous, last) = (self.turn(2), self.last());
             let swing = polar(last.at - previous.at).0;
             let mirrored = self.len == 2;
             let needed = if mirrored { 2.0 * swing } else { swing };
@@ -102,12 +109,12 @@ impl Memory {
     /// held stays held as far as friction allows, and turning points keep their loads.
     pub fn rebuild(&mut self, curve: &Curve, load: Vec2) {
         let (mut at, mut load) = (Vec2::ZERO, held(curve, load));
-        for index in (0..self.len).rev() {
-            let turn_load = if index == 0 { Vec2::ZERO } else { held(curve, self.turns[index].load) };
+        for (index, turn) in self.turns.iter_mut().take(self.len).enumerate().rev() {
+            let turn_load = if index == 0 { Vec2::ZERO } else { held(curve, turn.load) };
             let scale = Self::scale(index);
             let (size, along) = polar(load - turn_load);
             at -= along * (scale * curve.inverse(size / scale));
-            self.turns[index] = Turn { at, load: turn_load };
+            *turn = Turn { at, load: turn_load };
             load = turn_load;
         }
     }
