@@ -6,6 +6,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{self, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -18,6 +19,9 @@ use crate::failure::Failure;
 pub const HOST: &str = "haptor-host";
 /// The simulated device.
 pub const FIRMWARE_SIM: &str = "haptor-firmware-sim";
+
+/// The option by which a program ends with its standard input, and so with us.
+pub const TIED: &str = "--until-stdin-closes";
 
 /// Lines kept of what a child says on standard error: enough for its last words.
 const LAST_WORDS: usize = 20;
@@ -40,6 +44,17 @@ pub fn find(name: &str) -> Result<PathBuf, Failure> {
          or run `cargo xtask demo`, which does that",
         path.display()
     )))
+}
+
+/// From now on Ctrl-C does not end this program but sets the flag: the children get the same Ctrl-C, end in order, and what they
+/// have to say is still heard.
+///
+/// # Errors
+/// When the system refuses.
+pub fn note_interrupts() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted)).context("cannot watch for Ctrl-C")?;
+    Ok(interrupted)
 }
 
 /// A running program.
@@ -65,6 +80,35 @@ impl Child {
             thread::spawn(move || keep_lines(stderr, &kept));
         }
         Ok(Self { process, said })
+    }
+
+    /// Starts a program that talks to the user itself: what it says passes through. Its standard input is ours to close, as in
+    /// [`Self::start`].
+    ///
+    /// # Errors
+    /// When the system would not start it.
+    pub fn attached(command: &mut Command) -> anyhow::Result<Self> {
+        let program = command.get_program().to_string_lossy().into_owned();
+        let process = command.stdin(Stdio::piped()).spawn().with_context(|| format!("{program} cannot be started"))?;
+        Ok(Self { process, said: Arc::default() })
+    }
+
+    /// Closes its standard input, which ends a program that was started with [`TIED`].
+    pub fn release(&mut self) {
+        drop(self.process.stdin.take());
+    }
+
+    /// Waits for its end, however long; releases it when interrupted.
+    pub fn wait_for_end(&mut self, interrupted: &AtomicBool) -> ExitStatus {
+        loop {
+            if let Some(status) = self.ended() {
+                return status;
+            }
+            if interrupted.load(Ordering::Relaxed) {
+                self.release();
+            }
+            thread::sleep(POLL);
+        }
     }
 
     /// Its standard output; once.

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
@@ -13,9 +14,11 @@ use super::bake::bake;
 use crate::failure::{Failure, Outcome};
 use crate::output::{Output, unwritten};
 use crate::plot::{self, Curve};
+use crate::programs;
 use crate::progress;
 use crate::scene;
 use crate::session::device::SimulatedDevice;
+use crate::session::drill::{self, Drill};
 use crate::session::host::{Host, Plan};
 use crate::session::recording::Recording;
 use crate::session::report::Figures;
@@ -24,9 +27,13 @@ use crate::session::table;
 /// Runs a simulated device, the real-time host and the core for some seconds and shows what was felt.
 ///
 /// The folder gets wrench.csv, force.png, torque.png and session.haptor (the recording). Exit 0 only if at least 90 % of the
-/// ticks were in time and no fault was latched.
+/// ticks were in time and no fault was latched; Ctrl-C ends it early, with what was felt up to then.
+///
+/// With a drill something goes wrong on purpose: the wrench goes to zero, the fault is named, the exit code is 1. Forces come back,
+/// where the device does, once the hand has come out of the object.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: haptor demo --seconds 5 -o my-demo")]
+#[command(after_help = "Example: haptor demo --seconds 5 -o my-demo\n\
+                        With a fault: haptor demo --seconds 5 --drill stall@2:50ms")]
 pub struct Args {
     /// Length of the session [s], 1 to 3600
     #[arg(long, default_value_t = 8.0, value_parser = seconds)]
@@ -38,8 +45,13 @@ pub struct Args {
     #[arg(long, default_value = "premium15", value_parser = ["premium15", "sigma7", "omega6", "touch"])]
     preset: String,
     /// Ticks per second [Hz]
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=8000))]
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]
     rate: u32,
+    /// Something that goes wrong T seconds into the session: die@T (the device is gone), stall@T[:50ms] (nothing goes over the
+    /// link), garbage@T[:50ms] (random bytes), restart@T (the device starts anew), kick@T (somebody bumps into the hand). May be
+    /// repeated
+    #[arg(long = "drill", value_name = "KIND@T[:LENGTH]", value_parser = drill::parse)]
+    drills: Vec<Drill>,
     /// Show the window (not in this build)
     #[arg(long)]
     view: bool,
@@ -60,6 +72,9 @@ const DEVICE_LONGER: f64 = 10.0;
 /// How much longer than asked the host may take before it counts as hanging: start-up, hello, last flush on a loaded machine.
 const HOST_LONGER: Duration = Duration::from_secs(15);
 
+/// How often Ctrl-C is looked for: a person does not notice.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+
 /// How long the host may take from its summary, or from the end of its output, to its end.
 const FAREWELL: Duration = Duration::from_secs(5);
 
@@ -70,6 +85,11 @@ pub fn run(args: &Args) -> Outcome {
             "--view: the window is not in this build; leave the option out, the plots are in the folder",
         ));
     }
+    if let Some(late) = args.drills.iter().find(|drill| drill.at_s >= args.seconds) {
+        let what =
+            format!("--drill {}: the session lasts {} s; choose an earlier time or more --seconds", late.text, args.seconds);
+        return Err(Failure::bad_input(what));
+    }
     let scene = scene::load_or_default(args.scene.as_deref())?;
     let name = args.scene.as_deref().map_or("cube-twist".into(), Path::to_string_lossy);
     let folder = Folder::create(&args.output)?;
@@ -79,7 +99,7 @@ pub fn run(args: &Args) -> Outcome {
     let session = play(args, &model, &folder.session)?;
     let recording = Recording::read(&folder.session).unwrap_or_default();
     folder.fill(&recording)?;
-    conclude(&session, &recording, &folder)
+    conclude(args, &session, &recording, &folder)
 }
 
 /// Where the results go.
@@ -120,15 +140,18 @@ struct Session {
     summary: Option<Summary>,
     /// Why the session is no good though the host may not know, with the programs' last words.
     trouble: Option<String>,
+    /// Ctrl-C ended it.
+    interrupted: bool,
 }
 
 /// Runs device and host; both are gone when this returns.
 fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
-    let device = SimulatedDevice::start(&args.preset, SCRIPT, args.seconds + DEVICE_LONGER)?;
+    let interrupted = programs::note_interrupts()?;
+    let device = SimulatedDevice::start(&args.preset, SCRIPT, args.seconds + DEVICE_LONGER, &args.drills)?;
     let port = format!("serial:{}", device.port);
     let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record };
     let mut host = Host::start(&plan)?;
-    let heard = listen(&host, args);
+    let heard = listen(&mut host, args, &interrupted);
     let ended = host.child.wait(FAREWELL);
     let words = || format!("{}{}", host.child.last_words(), device.child.last_words());
     let trouble = match (&heard, ended) {
@@ -137,7 +160,7 @@ fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
         (Heard::Summary(_), _) => None,
     };
     let summary = if let Heard::Summary(summary) = heard { Some(*summary) } else { None };
-    Ok(Session { summary, trouble })
+    Ok(Session { summary, trouble, interrupted: interrupted.load(Ordering::Relaxed) })
 }
 
 /// How the host's messages ended.
@@ -148,15 +171,20 @@ enum Heard {
 }
 
 /// Follows the host's messages to the last one.
-fn listen(host: &Host, args: &Args) -> Heard {
+fn listen(host: &mut Host, args: &Args, interrupted: &AtomicBool) -> Heard {
     let ticks = (args.seconds * f64::from(args.rate)) as u64;
     let bar = progress::bar(ticks, "running");
     let until = Instant::now() + Duration::from_secs_f64(args.seconds) + HOST_LONGER;
     let heard = loop {
-        match host.messages.recv_timeout(until.saturating_duration_since(Instant::now())) {
+        if interrupted.load(Ordering::Relaxed) {
+            host.child.release();
+        }
+        let left = until.saturating_duration_since(Instant::now());
+        match host.messages.recv_timeout(left.min(LOOK_EVERY)) {
             Ok(FromHost::Summary(summary)) => break Heard::Summary(Box::new(summary)),
             Ok(FromHost::Progress(now)) => show(&bar, &now),
             Ok(FromHost::Hello(_) | FromHost::Fault(_)) => {}
+            Err(RecvTimeoutError::Timeout) if left > LOOK_EVERY => {}
             Err(RecvTimeoutError::Timeout) => break Heard::Hanging,
             Err(RecvTimeoutError::Disconnected) => break Heard::Closed,
         }
@@ -185,15 +213,18 @@ fn curves(ticks: &[TickRecord], of: fn(&TickRecord) -> [f32; 3], names: [&'stati
 }
 
 /// Prints the table and says whether the session was good.
-fn conclude(session: &Session, recording: &Recording, folder: &Folder) -> Outcome {
+fn conclude(args: &Args, session: &Session, recording: &Recording, folder: &Folder) -> Outcome {
     let figures = Figures::new(session.summary, recording);
     print!("{}", figures.table());
+    for drill in &args.drills {
+        println!("{:<30}{}", "drill", drill.text);
+    }
     println!("{:<30}{} (wrench.csv, force.png, torque.png, session.haptor)", "results", folder.path.display());
     if folder.path.join(BLACK_BOX).is_file() {
         println!("{:<30}the last ticks before the fault are in {BLACK_BOX}", "black box");
     }
-    let verdict = figures.verdict();
-    match (&session.trouble, verdict) {
+    let interrupted = session.interrupted.then(|| "interrupted; the results are those up to then".to_owned());
+    match (&session.trouble, figures.verdict().or(interrupted)) {
         (Some(trouble), Some(verdict)) => Err(Failure::problem(format!("{verdict}; {trouble}"))),
         (Some(trouble), None) => Err(Failure::problem(trouble)),
         (None, Some(verdict)) => Err(Failure::problem(verdict)),

@@ -6,6 +6,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
+use super::drill::Drill;
 use crate::failure::Failure;
 use crate::programs::{self, Child};
 
@@ -29,14 +30,15 @@ pub struct SimulatedDevice {
 }
 
 impl SimulatedDevice {
-    /// Starts it; it ends by itself after `seconds`.
+    /// Starts it with faults on purpose, if any; it ends by itself after `seconds`.
     ///
     /// # Errors
     /// [`Failure::Problem`] when it is missing, does not start or serves nothing; with its last words.
-    pub fn start(preset: &str, script: &str, seconds: f64) -> Result<Self, Failure> {
+    pub fn start(preset: &str, script: &str, seconds: f64, drills: &[Drill]) -> Result<Self, Failure> {
         let mut command = Command::new(programs::find(programs::FIRMWARE_SIM)?);
         command.args(["--until-stdin-closes", "--watchdog-ms", WATCHDOG_MS]);
         command.args(["--serve", "pty", "--preset", preset, "--script", script, "--seconds", &seconds.to_string()]);
+        command.args(drills.iter().flat_map(|drill| ["--fault", &drill.text]));
         let mut child = Child::start(&mut command)?;
         let port = child.stdout().map(BufReader::new).map_or(Err(RecvTimeoutError::Disconnected), first_port);
         match port {

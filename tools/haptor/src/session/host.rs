@@ -20,7 +20,7 @@ const CHUNK: usize = 4096;
 /// Ticks without a pose through which the last wrench is held, and over which it then fades, before a fault latches. Twice the
 /// host's own figures: a simulated device is an ordinary process, seen to oversleep 26 ms on a busy machine, and a stall of 50 ms
 /// must still be a fault.
-const PATIENCE: [&str; 4] = ["--hold", "8", "--fade", "32"];
+pub const PATIENCE: [&str; 4] = ["--hold", "8", "--fade", "32"];
 
 /// How a session with a simulated device is run.
 #[derive(Debug)]
@@ -56,6 +56,7 @@ impl Host {
         command.arg(plan.model).args(["--device", plan.device, "--rate", &plan.rate_hz.to_string(), "--rt", "ignore"]);
         command
             .args(["--seconds", &plan.seconds.to_string(), "--status", "frames"])
+            .arg(programs::TIED)
             .args(PATIENCE)
             .arg("--record")
             .arg(plan.record);

@@ -6,6 +6,7 @@
 //! ```
 
 pub mod device;
+pub mod drill;
 pub mod host;
 pub mod recording;
 pub mod report;

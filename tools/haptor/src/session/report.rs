@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use haptor_wire::{HostFault, Quantiles, Summary, TickRecord};
+use haptor_wire::{FaultRecord, HostFault, Quantiles, Summary, TickRecord};
 
 use super::recording::Recording;
 
@@ -19,6 +19,10 @@ pub struct Figures {
     pub summary: Summary,
     /// The first fault that latched.
     pub fault: Option<HostFault>,
+    /// When that was, if it was recorded.
+    pub first: Option<FaultRecord>,
+    /// Faults recorded after it.
+    pub later: usize,
     /// The host ended in order and said so.
     pub complete: bool,
 }
@@ -28,7 +32,13 @@ impl Figures {
     pub fn new(said: Option<Summary>, recording: &Recording) -> Self {
         let complete = said.or(recording.summary);
         let summary = complete.unwrap_or_else(|| from_ticks(&recording.ticks));
-        Self { summary, fault: summary.fault.or(recording.fault()), complete: complete.is_some() }
+        Self {
+            summary,
+            fault: summary.fault.or(recording.fault()),
+            first: recording.faults.first().copied(),
+            later: recording.faults.len().saturating_sub(1),
+            complete: complete.is_some(),
+        }
     }
 
     /// Share of ticks in time, 0 to 1.
@@ -66,10 +76,22 @@ impl Figures {
         format!("{} ({:.3} % in time, {} late)", s.ticks, 100.0 * self.share(), s.late)
     }
 
+    /// The fault in words, when it latched and how long the wrench took to be zero.
+    fn told_fault(&self) -> String {
+        let (Some(fault), Some(first)) = (self.fault, self.first) else {
+            return self.fault.map_or("none", HostFault::name).to_owned();
+        };
+        let zero = match first.after_ticks {
+            0 => "at once".to_owned(),
+            ticks => format!("{ticks} ticks after the last pose"),
+        };
+        let more = if self.later > 0 { format!("; {} more later", self.later) } else { String::new() };
+        format!("{} in tick {}, wrench zero {zero}{more}", fault.name(), first.tick)
+    }
+
     /// The table, one line per figure.
     pub fn table(&self) -> String {
         let s = &self.summary;
-        let fault = self.fault.map_or("none", HostFault::name);
         let lost = format!(
             "{} lost, {} rejected, {} out of order, {} not recorded",
             s.lost, s.rejected, s.out_of_order, s.recorder_dropped
@@ -83,7 +105,7 @@ impl Figures {
             ("round trip p50 / p99.9 / max", microseconds(&s.round_trip_ns)),
             ("messages", lost),
             ("real-time policy", if self.complete { policy(s) } else { UNKNOWN.to_owned() }),
-            ("fault", fault.to_owned()),
+            ("fault", self.told_fault()),
         ];
         rows.iter().fold(String::new(), |mut table, (name, value)| {
             // writing to a string cannot fail
@@ -139,7 +161,8 @@ mod tests {
     use super::*;
 
     fn figures(in_time: u64, fault: Option<HostFault>, complete: bool) -> Figures {
-        Figures { summary: Summary { ticks: 1000, in_time, ..Summary::default() }, fault, complete }
+        let summary = Summary { ticks: 1000, in_time, ..Summary::default() };
+        Figures { summary, fault, first: None, later: 0, complete }
     }
 
     #[test]
@@ -158,6 +181,23 @@ mod tests {
             };
             assert!(holds(figures.verdict(), verdict), "{figures:?}");
             assert!(holds(figures.warning(), warning), "{figures:?}");
+        }
+    }
+
+    #[test]
+    fn a_fault_is_told_with_its_tick() {
+        let fault = |cause, after_ticks, later| Figures {
+            first: Some(FaultRecord { cause, tick: 7, after_ticks }),
+            later,
+            ..figures(1000, Some(cause), true)
+        };
+        let table = [
+            (figures(1000, None, true), "none"),
+            (fault(HostFault::LinkLost, 0, 0), "link lost in tick 7, wrench zero at once"),
+            (fault(HostFault::Stale, 40, 2), "pose stale in tick 7, wrench zero 40 ticks after the last pose; 2 more later"),
+        ];
+        for (figures, told) in table {
+            assert_eq!(figures.told_fault(), told);
         }
     }
 
