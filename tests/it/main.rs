@@ -6,6 +6,7 @@ mod alloc;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;
+mod demo_drills;
 mod determinism;
 mod device_demo;
 mod docs;
