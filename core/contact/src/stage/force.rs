@@ -13,13 +13,14 @@ use crate::report::Flags;
 use crate::scratch::Contact;
 use crate::stage::deform::dent;
 
-/// Passes over the patches in one tick. Each shrinks the coupling's error by the share a neighbour's dent has of the depth, at most a
-/// third for separate patches; the start is at most one tick old.
-const PASSES: usize = 2;
+/// Passes over the patches in a tick with a birth: a newborn's neighbours have not felt it yet. Each pass shrinks the coupling's error by the
+/// share a neighbour's dent has of the depth, at most a third for separate patches. Otherwise one pass follows on from the last tick.
+const PASSES_AT_BIRTH: usize = 3;
 
 /// Sets footprint and body compliance of every patch.
 pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch]) -> Flags {
-    let passes = if patches.len() > 1 { PASSES } else { 1 };
+    let newborn = patches.last().is_some_and(|patch| patch.footprint == Footprint::NONE);
+    let passes = if newborn && patches.len() > 1 { PASSES_AT_BIRTH } else { 1 };
     for _ in 0..passes {
         for i in 0..patches.len() {
             let displaced = displaced_by_others(model, patches, i);
