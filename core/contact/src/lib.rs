@@ -57,6 +57,7 @@ mod wrench;
 pub mod geometry;
 pub mod profile;
 mod stage;
+pub mod surface;
 pub mod tier;
 
 #[doc = include_str!("theory.md")]
