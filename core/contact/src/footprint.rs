@@ -211,7 +211,7 @@ fn widest_disc(object: &ObjectShape, n: Vec3) -> f32 {
 /// Largest a/R at which the true-sphere corrections hold (shared tables: a/R <= 0.35 is small strain).
 const SMALL_STRAIN: f32 = 0.35;
 
-/// Hertz with two curvatures and the true sphere's correction (theory.md, equations 3.1 to 3.5).
+/// Hertz with two curvatures and the true sphere's correction (theory.md, equations 3.1 and 3.2).
 fn smooth((k_large, k_small): (f32, f32), contact_modulus: f32, depth: f32) -> Footprint {
     let k_small = max(k_small, k_large * LEAST_CURVATURE_RATIO);
     let radius = 1.0 / sqrt(k_large * k_small);

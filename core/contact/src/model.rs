@@ -187,7 +187,7 @@ pub struct Model<'a> {
     pub(crate) paper_length: f32,
 }
 
-/// Lengths a scene may use [m]: below, f32 products of four lengths leave the normal range; above, see [`MAX_DISTANCE`].
+/// Lengths a scene may use \[m\]: below, f32 products of four lengths leave the normal range; above, see [`MAX_DISTANCE`].
 const LENGTH_RANGE: core::ops::RangeInclusive<f32> = 1.0e-6..=1.0e2;
 
 impl<'a> Model<'a> {

@@ -16,7 +16,7 @@ impl Flags {
     pub const CLEAN: Self = Self(0);
     /// A pose component or dt was not finite or absurd; the tick kept the last good state.
     pub const POSE_REFUSED: Self = Self(1 << 0);
-    /// The pose moved faster than [`MAX_SPEED`](crate::MAX_SPEED) or [`MAX_TURN_RATE`](crate::MAX_TURN_RATE); stick was released.
+    /// The pose moved faster than [`MAX_SPEED`](crate::MAX_SPEED) or [`MAX_TURN_RATE`](crate::MAX_TURN_RATE); the tick kept the last good state.
     pub const POSE_JUMP: Self = Self(1 << 1);
     /// More regions than allowed: the shallowest were left out.
     pub const REGION_REFUSED: Self = Self(1 << 2);

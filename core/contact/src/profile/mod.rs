@@ -39,7 +39,7 @@ pub struct At {
 }
 
 /// Shares of the elastic compliance 1/K that all bristles of a patch have in common, in drag and in twist: each pulls the surface along
-/// under its neighbours. The rest is each bristle's own. Fitted on paths that turn (theory.md, section 6.2); the tables belong to them.
+/// under its neighbours. The rest is each bristle's own. Fitted on paths that turn (theory.md, equation 5.4); the tables belong to them.
 pub const COMMON_DRAG: f32 = 0.65;
 /// See [`COMMON_DRAG`].
 pub const COMMON_TWIST: f32 = 0.43;

@@ -1,4 +1,4 @@
-//! The two monotone curves of tier `point`: friction force over drag, friction torque over twist (theory.md, equations 6.1 to 6.6).
+//! The two monotone curves of tier `point`: friction force over drag, friction torque over twist (theory.md, equations 6.1 and 6.2).
 
 use crate::math::{cbrt, clamp, exp, max, min, pow, root};
 use crate::profile::{FULLNESS_CONE, FULLNESS_HERTZ, FULLNESS_PUNCH};
