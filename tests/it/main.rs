@@ -23,3 +23,4 @@ mod scene_errors;
 mod session;
 #[path = "../support/mod.rs"]
 mod support;
+mod surface;

@@ -219,7 +219,7 @@ fn a_spoilt_trajectory_is_refused_by_row_column_value_and_rule() {
 fn bad_usage_is_refused() {
     let good = format!("{HEAD}{ROW}");
     let table: &[(&[&str], &str)] =
-        &[(&["--samples", "3"], "--samples 3: allowed is 16 to"), (&["--surface", "1=x.ply"], "not available in this version")];
+        &[(&["--samples", "3"], "--samples 3: allowed is 16 to"), (&["--surface", "99=x.ply"], "ends at")];
     for (more, part) in table {
         refused(part, eval(SCENE.as_bytes(), good.as_bytes(), more), &[part]);
     }

@@ -15,6 +15,7 @@ mod progress;
 mod scene;
 mod session;
 mod simulation;
+mod surface;
 mod text;
 mod trajectory;
 

@@ -1,5 +1,6 @@
 //! The core over a trajectory: offline, deterministic, no device.
 
+use haptor_contact::surface::Surface;
 use haptor_contact::{
     Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, Output, Params, ParamsSpec, PatchReport, Pose, Scratch, State, patch_report,
     step,
@@ -34,6 +35,11 @@ impl<'a> Simulation<'a> {
     pub fn tick(&mut self, row: &Row) -> Output {
         let input = Input { pose: Pose::new(row.position, row.rotation), dt: row.dt };
         step(&self.model, &self.params, &mut self.state, &mut self.scratch, input)
+    }
+
+    /// The deformed surface after the last tick, whose pose was `row`; `body` as in [`Surface`].
+    pub fn surface(&self, row: &Row, body: bool) -> Surface<'_> {
+        Surface { model: &self.model, params: &self.params, patches: self.state.patches(), p_wp: row.position, body }
     }
 
     /// The patches in contact after the last tick, oldest first.

@@ -25,7 +25,7 @@
 //!
 //! let rest = [Vec3::new(0.0, 0.0, 0.1), Vec3::new(0.05, 0.0, 0.0)];
 //! let mut moved = [Vec3::ZERO; 2];
-//! let surface = surface::Surface { model: &model, params: &params, patches: state.patches(), p_wp: place };
+//! let surface = surface::Surface { model: &model, params: &params, patches: state.patches(), p_wp: place, body: true };
 //! surface.update(&rest, &mut moved);
 //! assert!((moved[0].z + 0.001).abs() < 1.0e-6 && moved[1] == Vec3::ZERO);
 //! # Ok::<(), Invalid>(())
@@ -61,6 +61,8 @@ pub struct Surface<'a> {
     pub patches: &'a [Patch],
     /// Mass centre of the probe in world \[m\]; only tier `paper` asks for it.
     pub p_wp: Vec3,
+    /// With the motion of the whole body; without it only the surroundings of the contacts move.
+    pub body: bool,
 }
 
 impl Surface<'_> {
@@ -91,7 +93,8 @@ impl Surface<'_> {
 
     /// The field of one patch.
     pub fn field(&self, patch: &Patch) -> Field {
-        Field::new(self.model, self.params, patch, self.p_wp)
+        let field = Field::new(self.model, self.params, patch, self.p_wp);
+        if self.body { field } else { field.without_body() }
     }
 }
 
@@ -190,6 +193,12 @@ impl Field {
             tilt,
             rise,
         }
+    }
+
+    /// The field without the motion of the whole body.
+    #[must_use]
+    pub fn without_body(self) -> Self {
+        Self { beam: None, tilt: Vec3::ZERO, rise: 0.0, ..self }
     }
 
     /// Displacement \[m\], in world, of the rest point `p_w`.
@@ -350,7 +359,7 @@ mod tests {
             step(&model, &params, &mut state, &mut scratch, Input { pose, dt: 1.0e-2 });
         }
         assert_eq!(state.patches().len(), 1);
-        look(&Surface { model: &model, params: &params, patches: state.patches(), p_wp: place });
+        look(&Surface { model: &model, params: &params, patches: state.patches(), p_wp: place, body: true });
     }
 
     const SHAPES: [ObjectShape; 5] = [
@@ -394,7 +403,7 @@ mod tests {
             let rest: [Vec3; 100] = core::array::from_fn(|i| Vec3::new(5.0e-4 * i as f32, 0.01, 0.1 - 1.0e-3 * i as f32));
             let (mut whole, mut parts) = ([Vec3::ONE; 100], [Vec3::ZERO; 100]);
             surface.update(&rest, &mut whole);
-            [0..32, 32..64, 64..128, 90..80].into_iter().for_each(|block| surface.update_block(&rest, &mut parts, block));
+            [0..32, 32..64, 64..128, 200..300].into_iter().for_each(|block| surface.update_block(&rest, &mut parts, block));
             assert_eq!(whole, parts);
             assert!(rest.iter().zip(&whole).all(|(&p, &u)| surface.displacement(p) == u));
         });

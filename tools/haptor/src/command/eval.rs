@@ -1,15 +1,17 @@
 //! `haptor eval`: the core over a trajectory, one row per tick. Everything is read and checked before anything is written.
 
 use std::io::{self, ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use haptor_contact::{Invalid, Output as TickOutput, ParamsSpec, Tier};
+use haptor_wire::Deformation;
 
 use crate::failure::{Failure, Outcome};
 use crate::output::{Output, unwritten};
 use crate::progress;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
+use crate::surface::{self, Request};
 use crate::trajectory::{self, Row};
 
 /// Columns of the result.
@@ -38,9 +40,9 @@ pub struct Args {
     /// Result file; standard output when not given
     #[arg(short, value_name = "OUT.csv")]
     output: Option<PathBuf>,
-    /// Deformed surface at the first tick with t >= T_S (not available in this version)
+    /// Deformed object at the first tick with t >= T_S: binary PLY, x,y,z deformed, ux,uy,uz displacement [m]; may be repeated
     #[arg(long, value_name = "T_S=FILE.ply")]
-    surface: Vec<String>,
+    surface: Vec<Request>,
     /// Print what the device would get, after the guard's limits, in place of the contact's wrench
     #[arg(long)]
     guard: bool,
@@ -69,17 +71,59 @@ impl From<TierName> for Tier {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    if !args.surface.is_empty() {
-        return Err(Failure::bad_input("--surface: deformed surfaces are not available in this version; leave the option out"));
-    }
     let scene = Scene::load(&args.scene)?;
     let rows = trajectory::load(&args.trajectory)?;
     let params = params(&scene, args);
     let mut simulation = Simulation::new(&scene, &params).map_err(|invalid| refused(args, &invalid))?;
+    refuse_shared_files(args)?;
+    refuse_rigid_scene(args, &scene)?;
+    let body = scene.extras.deformation == Deformation::Full;
+    let pictures: Result<Vec<_>, _> = args.surface.iter().map(|request| Picture::new(args, request, &rows, body)).collect();
+    let mut pictures = pictures?;
     let mut output = Output::create(args.output.as_deref())?;
-    match write_table(&mut simulation, &rows, args.guard, &mut output) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritten(&error)),
-        _ => output.finish(),
+    write_all(&mut simulation, &rows, args.guard, &mut output, &mut pictures).map_err(|error| unwritten(&error))?;
+    output.finish()?;
+    pictures.into_iter().try_for_each(|picture| picture.output.finish())
+}
+
+/// A surface that is to be written after the tick of one row.
+struct Picture {
+    row: usize,
+    /// With the motion of the whole body.
+    body: bool,
+    output: Output,
+}
+
+impl Picture {
+    fn new(args: &Args, request: &Request, rows: &[Row], body: bool) -> Result<Self, Failure> {
+        let Request { time, file } = request;
+        let row = rows.iter().position(|row| row.t >= *time).ok_or_else(|| {
+            let end = &rows[rows.len() - 1].written_t;
+            Failure::bad_input(format!("--surface {time}={}: {} ends at {end} s", file.display(), args.trajectory.display()))
+        })?;
+        Ok(Self { row, body, output: Output::create(Some(file))? })
+    }
+}
+
+/// A scene that computes no deformation has no surface to write.
+fn refuse_rigid_scene(args: &Args, scene: &Scene) -> Outcome {
+    if args.surface.is_empty() || scene.extras.deformation != Deformation::None {
+        return Ok(());
+    }
+    let file = args.scene.display();
+    Err(Failure::bad_input(format!("--surface: {file} says deformation = \"none\"; set it to \"local\" or \"full\"")))
+}
+
+/// Two results in one file: the later would take the earlier's place.
+fn refuse_shared_files(args: &Args) -> Outcome {
+    let files: Vec<&Path> =
+        args.output.iter().chain(args.surface.iter().map(|request| &request.file)).map(PathBuf::as_path).collect();
+    let twice = files.iter().enumerate().find(|(index, file)| files[..*index].contains(file));
+    match twice {
+        Some((_, file)) => {
+            Err(Failure::bad_input(format!("{}: asked for twice; give each result a file of its own", file.display())))
+        }
+        None => Ok(()),
     }
 }
 
@@ -101,17 +145,39 @@ fn refused(args: &Args, invalid: &Invalid) -> Failure {
     Failure::bad_input(format!("{given}: allowed is {}", invalid.allowed))
 }
 
-fn write_table(simulation: &mut Simulation<'_>, rows: &[Row], guarded: bool, out: &mut impl Write) -> io::Result<()> {
+/// All ticks: the table, and the surfaces as their rows come. A reader of the table that has left ends the table only.
+fn write_all(
+    simulation: &mut Simulation<'_>,
+    rows: &[Row],
+    guarded: bool,
+    table: &mut impl Write,
+    pictures: &mut [Picture],
+) -> io::Result<()> {
     let bar = progress::bar(rows.len() as u64, "evaluating");
-    writeln!(out, "{HEADER}")?;
+    let mut read = still_read(writeln!(table, "{HEADER}"))?;
     for (index, row) in rows.iter().enumerate() {
-        write_row(out, row, &simulation.tick(row), guarded)?;
+        if !read && pictures.iter().all(|picture| picture.row < index) {
+            break;
+        }
+        let tick = simulation.tick(row);
+        read = read && still_read(write_row(table, row, &tick, guarded))?;
+        for picture in pictures.iter_mut().filter(|picture| picture.row == index) {
+            surface::write(&simulation.surface(row, picture.body), &mut picture.output)?;
+        }
         if index % PROGRESS_EVERY == 0 {
             bar.set_position(index as u64);
         }
     }
     bar.finish_and_clear();
     Ok(())
+}
+
+/// False when the reader has left, which is no failure.
+fn still_read(written: io::Result<()>) -> io::Result<bool> {
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        written => written.map(|()| true),
+    }
 }
 
 /// One tick; `{}` prints the shortest text that reads back as the same f32.
