@@ -160,6 +160,7 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
         max_regions: usize::from(baked.max_regions),
         tier: tier_to_core(baked.tier)?,
         samples: usize::from(baked.samples),
+        sweeps: usize::from(baked.sweeps),
         breakaway: match baked.breakaway {
             wire::Breakaway::Smooth => contact::Breakaway::Smooth,
             wire::Breakaway::Sharp => contact::Breakaway::Sharp,
@@ -202,8 +203,10 @@ fn tier_to_core(tier: wire::Tier) -> Result<contact::Tier, SceneError> {
         wire::Tier::Point => Ok(contact::Tier::Point),
         wire::Tier::Paper => Ok(contact::Tier::Paper),
         wire::Tier::Bristle => Ok(contact::Tier::Bristle),
-        wire::Tier::Influence | wire::Tier::Green => {
-            Err(SceneError::NotAvailable { key: "model.tier", value: tier.name(), available: "point, paper, bristle" })
+        wire::Tier::Influence => Ok(contact::Tier::Influence),
+        wire::Tier::Green => {
+            let available = "point, paper, bristle, influence";
+            Err(SceneError::NotAvailable { key: "model.tier", value: tier.name(), available })
         }
     }
 }
@@ -213,6 +216,7 @@ const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
         contact::Tier::Point => wire::Tier::Point,
         contact::Tier::Paper => wire::Tier::Paper,
         contact::Tier::Bristle => wire::Tier::Bristle,
+        contact::Tier::Influence => wire::Tier::Influence,
     }
 }
 
@@ -381,8 +385,8 @@ mod tests {
     fn what_this_build_cannot_do_is_named() {
         type Spoil = fn(&mut BakedScene);
         let table: [(Spoil, &str); 9] = [
-            (|s| s.tier = wire::Tier::Influence, "model.tier = \"influence\""),
-            (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle"),
+            (|s| s.tier = wire::Tier::Influence, "52 or 112 for tier influence"),
+            (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle, influence"),
             (|s| s.coupling = wire::Coupling::Virtual, "model.coupling"),
             (|s| s.samples = 300, "16 to 256"),
             (|s| s.young_modulus = -1.0, "object.young_modulus"),

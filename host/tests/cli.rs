@@ -109,10 +109,10 @@ fn bad_usage_and_bad_input_exit_2_and_write_nothing() {
         assert!(stderr(&output).contains(named), "{args:?} says {}", stderr(&output));
         assert!(output.stdout.is_empty());
     }
-    let influence = folder.model(Tier::Influence);
-    let output = host(&[&influence, "--device", device, "--record", &record]);
+    let green = folder.model(Tier::Green);
+    let output = host(&[&green, "--device", device, "--record", &record]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("available: point, paper, bristle"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("available: point, paper, bristle, influence"), "{}", stderr(&output));
     assert!(!PathBuf::from(record).exists());
 }
 

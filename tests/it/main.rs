@@ -14,6 +14,7 @@ mod eval_cli;
 mod extremes;
 mod histories;
 mod host_rig;
+mod influence;
 mod invariance;
 mod link_faults;
 mod no_alloc;

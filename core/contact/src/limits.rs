@@ -16,6 +16,9 @@ pub const MAX_BRISTLES: usize = 256;
 /// Fewest samples of a region: below it a turning path errs by more than the tier's stated bound.
 pub const MIN_SAMPLES: usize = 16;
 
+/// Most sweeps of tier `influence` per tick: at 16 a step is solved to a fraction of what its cells resolve, twice that is room for coarse ticks.
+pub const MAX_SWEEPS: usize = 32;
+
 /// Largest distance of probe and object from the world origin \[m\]. At 1 km an f32 resolves 0.06 mm.
 pub const MAX_DISTANCE: f32 = 1.0e3;
 

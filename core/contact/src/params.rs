@@ -2,8 +2,9 @@
 
 use crate::error::{Invalid, require};
 use crate::guard::GuardSpec;
-use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MIN_SAMPLES};
+use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MAX_SWEEPS, MIN_SAMPLES};
 use crate::tier::bristle::Layout;
+use crate::tier::influence;
 
 /// Fidelity of the tangential force and the torsion, from fast to accurate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -14,6 +15,8 @@ pub enum Tier {
     Paper,
     /// Calibrated bristles with Coulomb's cap at each sample.
     Bristle,
+    /// Cells that move the whole elastic surface, with Coulomb's cap at each.
+    Influence,
 }
 
 impl Tier {
@@ -23,6 +26,7 @@ impl Tier {
             Self::Point => "point",
             Self::Paper => "paper",
             Self::Bristle => "bristle",
+            Self::Influence => "influence",
         }
     }
 }
@@ -75,8 +79,10 @@ pub struct ParamsSpec {
     pub max_regions: usize,
     /// Fidelity.
     pub tier: Tier,
-    /// Samples per region for `paper` and `bristle`.
+    /// Samples per region for `paper` and `bristle`; cells of a fresh contact for `influence`, 52 or 112.
     pub samples: usize,
+    /// Gauss-Seidel sweeps per tick of tier `influence`, 1 to [`MAX_SWEEPS`].
+    pub sweeps: usize,
     /// Stick to slip when static friction is above dynamic.
     pub breakaway: Breakaway,
     /// Normal force over depth.
@@ -96,6 +102,7 @@ impl Default for ParamsSpec {
             max_regions: MAX_REGIONS,
             tier: Tier::Bristle,
             samples: 64,
+            sweeps: 4,
             breakaway: Breakaway::Smooth,
             force_law: ForceLaw::Hertz,
             gravity: false,
@@ -113,6 +120,7 @@ pub struct Params {
     pub(crate) max_regions: usize,
     pub(crate) tier: Tier,
     pub(crate) samples: usize,
+    pub(crate) sweeps: usize,
     pub(crate) breakaway: Breakaway,
     pub(crate) force_law: ForceLaw,
     pub(crate) gravity: bool,
@@ -139,6 +147,10 @@ impl Params {
         require((MIN_SAMPLES..=MAX_SAMPLES).contains(&spec.samples), "model.samples", samples, "16 to 1024")?;
         let most = if spec.tier == Tier::Bristle { MAX_BRISTLES } else { MAX_SAMPLES };
         require(spec.samples <= most, "model.samples", samples, "16 to 256 for tier bristle, 16 to 1024 for tier paper")?;
+        let cells = [influence::Layout::COARSE.cells, influence::Layout::FINE.cells];
+        let known = spec.tier != Tier::Influence || cells.contains(&spec.samples);
+        require(known, "model.samples", samples, "52 or 112 for tier influence")?;
+        require((1..=MAX_SWEEPS).contains(&spec.sweeps), "model.sweeps", spec.sweeps as f32, "1 to 32")?;
         check_law(&spec.force_law)?;
         spec.guard.check()?;
         Ok(Self {
@@ -148,6 +160,7 @@ impl Params {
             max_regions: spec.max_regions,
             tier: spec.tier,
             samples: spec.samples,
+            sweeps: spec.sweeps,
             breakaway: spec.breakaway,
             force_law: spec.force_law,
             gravity: spec.gravity,
@@ -166,8 +179,8 @@ impl Params {
 /// FNV-1a over everything that changes a contact wrench.
 fn fingerprint(spec: &ParamsSpec, mu_s: f32) -> u32 {
     let numbers = [mu_s, spec.friction_dynamic, spec.region_distance];
-    let choices =
-        [spec.tier as u32, spec.samples as u32, spec.max_regions as u32, spec.breakaway as u32, u32::from(spec.gravity)];
+    let counts = [spec.samples, spec.sweeps, spec.max_regions].map(|count| count as u32);
+    let choices = [spec.tier as u32, spec.breakaway as u32, u32::from(spec.gravity)].into_iter().chain(counts);
     let law: [f32; FORCE_TABLE_LEN + 2] = core::array::from_fn(|i| match (spec.force_law, i) {
         (ForceLaw::Hertz, _) => 0.0,
         (ForceLaw::Cubic { k1, .. }, 0) => k1,

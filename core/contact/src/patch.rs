@@ -6,6 +6,7 @@ use crate::footprint::Footprint;
 use crate::math::{direction, perpendicular};
 use crate::model::Compliance;
 use crate::tier::bristle::Grid;
+use crate::tier::influence;
 use crate::tier::paper::PaperMemory;
 use crate::tier::point::PointMemory;
 
@@ -98,6 +99,8 @@ pub struct Patch {
     pub paper: PaperMemory,
     /// Sample grid of tier `bristle`; its samples lie in the state's slot.
     pub grid: Grid,
+    /// Cell grid of tier `influence`; its cells lie in the same slot.
+    pub cells: influence::Grid,
 }
 
 /// Squared length of a projected tangent below which a new one is taken: the normal then turned by more than 84 degrees in a tick.
@@ -127,12 +130,14 @@ impl Patch {
             point: PointMemory::default(),
             paper: PaperMemory::default(),
             grid: Grid::default(),
+            cells: influence::Grid::default(),
         }
     }
 
     /// Forgets how the grip came about, in every tier; the grip itself stays.
     pub fn forget_history(&mut self) {
         (self.pending, self.point, self.grid) = (Shift::default(), PointMemory::default(), Grid::default());
+        self.cells = influence::Grid::default();
         self.paper = PaperMemory { anchor: self.total.drag, ..PaperMemory::default() };
     }
 

@@ -9,6 +9,7 @@ use crate::params::Tier;
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::tier::bristle::Bristle;
+use crate::tier::influence::Trace;
 use crate::wrench::Wrench;
 
 /// Memory of a session: patches with their stick, samples, the guard's last wrench, counters.
@@ -20,6 +21,8 @@ pub struct State<const PATCHES: usize, const SAMPLES: usize> {
     pub(crate) memory: Memory,
     pub(crate) patches: Vec<Patch, PATCHES>,
     pub(crate) samples: [[Bristle; SAMPLES]; PATCHES],
+    /// What tier `influence` remembers beside the samples' forces.
+    pub(crate) traces: [[Trace; SAMPLES]; PATCHES],
 }
 
 /// The part of the state whose size does not depend on capacities.
@@ -68,6 +71,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
             },
             patches: Vec::new(),
             samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],
+            traces: [[Trace { lack: Vec2::ZERO, change: Vec2::ZERO }; SAMPLES]; PATCHES],
         }
     }
 

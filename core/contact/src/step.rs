@@ -17,6 +17,7 @@ use crate::report::{Flags, PatchReport, Report};
 use crate::scratch::Scratch;
 use crate::stage::{detect, force, regions, torque, wrench};
 use crate::state::{Memory, State};
+use crate::tier::influence::Stored;
 use crate::wrench::Wrench;
 
 /// What a tick is given.
@@ -48,7 +49,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     input: Input,
 ) -> Output {
     scratch.poison();
-    let State { memory, patches, samples } = state;
+    let State { memory, patches, samples, traces } = state;
     let (now, mut flags) = accept(memory, &input);
     let Some(now) = now else { return refused(params, memory, patches, input.dt, flags) };
     if is_still(params, memory, &now) {
@@ -64,7 +65,8 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     flags |= force::press(model, params, &scratch.contacts, patches);
     // 4 torque
     let changed = take_up_params(params, memory, patches);
-    flags |= torque::hold(model, params, patches, samples.as_flattened_mut(), SAMPLES, &now, changed);
+    let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
+    flags |= torque::hold(model, params, patches, stored, SAMPLES, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
     flags |= drop_what_is_not_finite(memory, patches);

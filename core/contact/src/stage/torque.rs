@@ -8,15 +8,16 @@ use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::tier::bristle::{self, AROUND, Bristle, Layout};
+use crate::tier::influence::{self, Stored};
 use crate::tier::{Hold, paper, point};
 
-/// Sets the grip of every patch. The bristles of a patch are the `per_slot` ones of its slot; `changed` says that the parameters are not those
+/// Sets the grip of every patch. The samples of a patch are the `per_slot` ones of its slot; `changed` says that the parameters are not those
 /// of the last tick.
 pub fn hold(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
-    bristles: &mut [Bristle],
+    stored: Stored<'_>,
     per_slot: usize,
     x_wp: &Pose<World, ProbeFrame>,
     changed: bool,
@@ -31,17 +32,51 @@ pub fn hold(
             each(model, params, patches, changed, point::advance);
             Flags::CLEAN
         }
-        Tier::Bristle => {
-            let (layout, flags) = fitting(&params.layout, per_slot);
-            each(model, params, patches, changed, |hold, patch| {
-                let start = usize::from(patch.slot) * per_slot;
-                if let Some(cells) = bristles.get_mut(start..start + per_slot) {
-                    bristle::advance(hold, &layout, patch, cells);
-                }
-            });
-            flags
-        }
+        Tier::Bristle => hold_bristles(model, params, patches, stored.force, per_slot, changed),
+        Tier::Influence => hold_cells(model, params, patches, stored, per_slot, changed),
     }
+}
+
+/// Tier `bristle`, with fewer rings where the state has no room for all.
+fn hold_bristles(
+    model: &Model<'_>,
+    params: &Params,
+    patches: &mut [Patch],
+    bristles: &mut [Bristle],
+    per_slot: usize,
+    changed: bool,
+) -> Flags {
+    let (layout, flags) = fitting(&params.layout, per_slot);
+    each(model, params, patches, changed, |hold, patch| {
+        let start = usize::from(patch.slot) * per_slot;
+        if let Some(cells) = bristles.get_mut(start..start + per_slot) {
+            bristle::advance(hold, &layout, patch, cells);
+        }
+    });
+    flags
+}
+
+/// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
+fn hold_cells(
+    model: &Model<'_>,
+    params: &Params,
+    patches: &mut [Patch],
+    stored: Stored<'_>,
+    per_slot: usize,
+    changed: bool,
+) -> Flags {
+    let Stored { force, trace } = stored;
+    let Some(layout) = influence::Layout::fitting(params.samples, per_slot) else {
+        return hold_bristles(model, params, patches, force, per_slot, changed) | Flags::TIER_LOWERED;
+    };
+    each(model, params, patches, changed, |hold, patch| {
+        let start = usize::from(patch.slot) * per_slot;
+        let (forces, traces) = (force.get_mut(start..start + per_slot), trace.get_mut(start..start + per_slot));
+        if let (Some(force), Some(trace)) = (forces, traces) {
+            influence::advance(hold, &model.material, &layout, params.sweeps, patch, &mut Stored { force, trace });
+        }
+    });
+    if layout.cells < params.samples { Flags::TIER_LOWERED } else { Flags::CLEAN }
 }
 
 /// Advances every patch that moved, was pressed, or has new parameters.

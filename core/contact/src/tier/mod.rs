@@ -1,6 +1,7 @@
 //! The tiers: what a patch holds against when it is dragged and twisted. All share [`Hold`].
 
 pub mod bristle;
+pub mod influence;
 pub mod paper;
 pub mod point;
 

@@ -57,6 +57,8 @@ pub enum TierName {
     Paper,
     /// Calibrated bristles
     Bristle,
+    /// Cells on the elastic surface, 52 or 112
+    Influence,
 }
 
 impl From<TierName> for Tier {
@@ -65,6 +67,7 @@ impl From<TierName> for Tier {
             TierName::Point => Self::Point,
             TierName::Paper => Self::Paper,
             TierName::Bristle => Self::Bristle,
+            TierName::Influence => Self::Influence,
         }
     }
 }

@@ -111,6 +111,7 @@ fn tier(tier: Tier) -> wire::Tier {
         Tier::Point => wire::Tier::Point,
         Tier::Paper => wire::Tier::Paper,
         Tier::Bristle => wire::Tier::Bristle,
+        Tier::Influence => wire::Tier::Influence,
     }
 }
 

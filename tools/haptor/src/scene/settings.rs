@@ -22,8 +22,9 @@ const STATIC: Key = key("static", "a number, friction.dynamic to 10", "0.75");
 const DYNAMIC: Key = key("dynamic", "a number, 0 to 10", "0.75");
 const REGION_DISTANCE: Key = key("region_distance", "a number, 0 to 1e2 m", "0.004");
 const MAX_REGIONS: Key = key("max_regions", "a whole number, 1 to 10", "10");
-const TIER: Key = key("tier", "point, paper or bristle", "\"bristle\"");
-const SAMPLES: Key = key("samples", "a whole number, 16 to 256 for tier bristle, 16 to 1024 for tier paper", "64");
+const TIER: Key = key("tier", "point, paper, bristle or influence", "\"bristle\"");
+const SAMPLES: Key =
+    key("samples", "a whole number, 16 to 256 for tier bristle, 16 to 1024 for tier paper, 52 or 112 for tier influence", "64");
 const SWEEPS: Key = key("sweeps", "a whole number, 1 to 32", "4");
 const DEFORMATION: Key = key("deformation", "none, local or full", "\"full\"");
 const COUPLING: Key = key("coupling", "direct", "\"direct\"");
@@ -47,12 +48,15 @@ const TIERS: [(&str, Option<Tier>); 5] = [
     ("point", Some(Tier::Point)),
     ("paper", Some(Tier::Paper)),
     ("bristle", Some(Tier::Bristle)),
-    ("influence", None),
+    ("influence", Some(Tier::Influence)),
     ("green", None),
 ];
 
 /// Most sweeps: more than the tiers' tables were made with, and still bounded.
 const MAX_SWEEPS: usize = 32;
+
+/// Cells of a scene of tier `influence` that gives none.
+const DEFAULT_CELLS: usize = 52;
 
 /// Sweeps of a scene that gives none.
 const DEFAULT_SWEEPS: u8 = 4;
@@ -76,8 +80,12 @@ pub fn model(section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Resu
     let mut extras = Extras { sweeps: DEFAULT_SWEEPS, deformation: Deformation::Full, asked: NO_LIMITS, paper_length: None };
     let Some(section) = section else { return Ok(extras) };
     set(&mut params.tier, tier(section)?);
+    if params.tier == Tier::Influence {
+        params.samples = DEFAULT_CELLS;
+    }
     set(&mut params.samples, section.optional_count(SAMPLES)?);
     set(&mut extras.sweeps, sweeps(section)?);
+    params.sweeps = usize::from(extras.sweeps);
     let amounts = [("none", Deformation::None), ("local", Deformation::Local), ("full", Deformation::Full)];
     set(&mut extras.deformation, section.optional_word(DEFORMATION, &amounts)?);
     coupling(section)?;
@@ -120,7 +128,9 @@ pub fn guard(section: &Section<'_, '_>, params: &mut ParamsSpec, extras: &mut Ex
 
 fn tier(section: &Section<'_, '_>) -> Result<Option<Tier>, SceneError> {
     match section.optional_word(TIER, &TIERS)? {
-        Some(None) => Err(section.error("tier", "not available in this version; available are point, paper and bristle")),
+        Some(None) => {
+            Err(section.error("tier", "not available in this version; available are point, paper, bristle and influence"))
+        }
         Some(tier) => Ok(tier),
         None => Ok(None),
     }

@@ -48,32 +48,3 @@ pub const CROSS: [[f32; REACH]; REACH] = [
     [0.0000000, 0.0050600, 0.0098933, 0.0143005, 0.0181312, 0.0212943, 0.0237582, 0.0255420, 0.0267023, 0.0273184, 0.0274794, 0.0272747, 0.0267874, 0.0260906, 0.0252458, 0.0243034],
     [0.0000000, 0.0044125, 0.0086523, 0.0125648, 0.0160288, 0.0189642, 0.0213341, 0.0231401, 0.0244144, 0.0252101, 0.0255917, 0.0256279, 0.0253855, 0.0249260, 0.0243034, 0.0235637],
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Mixed second difference of a corner function over the unit square about (i, j).
-    fn square(i: usize, j: usize, corner: impl Fn(f64, f64) -> f64) -> f64 {
-        let (x, y) = (i as f64, j as f64);
-        corner(x + 0.5, y + 0.5) - corner(x - 0.5, y + 0.5) - corner(x + 0.5, y - 0.5) + corner(x - 0.5, y - 0.5)
-    }
-
-    #[test]
-    fn every_entry_is_its_closed_form() {
-        for j in 0..REACH {
-            for i in 0..REACH {
-                let along = square(i, j, |x, y| y * libm::asinh(x / y.abs()));
-                let cross = square(i, j, |x, y| -libm::hypot(x, y));
-                assert!((f64::from(ALONG[j][i]) - along).abs() < 1.0e-7, "along {i} {j}: {along}");
-                assert!((f64::from(CROSS[j][i]) - cross).abs() < 1.0e-7, "cross {i} {j}: {cross}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_cell_s_own_influence_is_the_integral_of_one_over_r() {
-        assert!((f64::from(2.0 * ALONG[0][0]) - 4.0 * libm::asinh(1.0)).abs() < 1.0e-6);
-        assert_eq!(CROSS[0][0], 0.0);
-    }
-}
