@@ -12,9 +12,10 @@ mod device_demo;
 mod docs;
 mod eval_cli;
 mod extremes;
+#[cfg(feature = "fem")]
+mod fem;
 mod histories;
 mod host_rig;
-mod influence;
 mod invariance;
 mod link_faults;
 mod no_alloc;
@@ -24,4 +25,3 @@ mod scene_errors;
 mod session;
 #[path = "../support/mod.rs"]
 mod support;
-mod surface;

@@ -7,6 +7,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | `fem` | compliance of a body beyond the half space, by finite elements (feature `fem`) |
 //! | [`load`] | bounded reading of STL files |
 //! | [`weld`] | joins vertices that lie within a tolerance |
 //! | [`check`] | watertight, manifold, oriented, free of slivers |
@@ -16,6 +17,8 @@
 #![deny(missing_docs)]
 
 pub mod check;
+#[cfg(feature = "fem")]
+pub mod fem;
 pub mod load;
 pub mod mesh;
 pub mod properties;
