@@ -16,6 +16,7 @@ mod extremes;
 mod fem;
 mod histories;
 mod host_rig;
+mod influence;
 mod invariance;
 mod link_faults;
 mod no_alloc;
@@ -25,3 +26,4 @@ mod scene_errors;
 mod session;
 #[path = "../support/mod.rs"]
 mod support;
+mod surface;
