@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use haptor_wire::{
@@ -16,6 +17,13 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Where the watchdog is not the point, a busy machine must not trip it.
 const PATIENT: [&str; 2] = ["--watchdog-ms", "8000"];
 
+/// A process that is being started holds a copy of every open port until it is fully there, so a port closed meanwhile stays open and
+/// locked for that long. Starting and closing take turns.
+fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The process; killed when the test ends, however it ends.
 struct Sim {
     child: Child,
@@ -24,6 +32,7 @@ struct Sim {
 
 impl Sim {
     fn start(args: &[&str]) -> Self {
+        let turn = turn();
         let mut child = Command::new(env!("CARGO_BIN_EXE_haptor-firmware-sim"))
             .args(PATIENT)
             .args(args)
@@ -32,6 +41,7 @@ impl Sim {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
+        drop(turn);
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let place = line.trim().strip_prefix("serving ").unwrap().to_owned();
@@ -79,6 +89,13 @@ struct Host {
     decoder: StreamDecoder<64>,
     inbox: Vec<FromDevice>,
     seq: u32,
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        let _turn = turn();
+        self.port = Box::new(std::io::empty());
+    }
 }
 
 impl Host {
@@ -293,6 +310,7 @@ fn it_ends_when_its_time_is_up_or_its_parent_has_gone() {
 fn signals_end_it_in_order_and_ctrl_c_is_its_parent_s_when_it_has_one() {
     let send = |sim: &Sim, signal: &str| {
         let line = format!("kill -{signal} {}", sim.child.id());
+        let _turn = turn();
         assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
     };
     for signal in ["TERM", "INT", "HUP"] {
@@ -319,6 +337,7 @@ fn bad_usage_exits_2_and_says_what_is_there() {
         (&["--serve", "tcp:192.0.2.1:9"], "192.0.2.1:9"),
     ];
     for (args, hint) in table {
+        let _turn = turn();
         let out = Command::new(env!("CARGO_BIN_EXE_haptor-firmware-sim")).args(args).output().unwrap();
         assert_eq!(out.status.code(), Some(2), "{args:?}");
         assert_eq!(out.stdout, b"", "{args:?}");

@@ -1,5 +1,6 @@
 //! `haptor-host`: arguments in, exit code out.
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -22,18 +23,23 @@ fn main() -> ExitCode {
 
 fn report(outcome: &Outcome) -> ExitCode {
     if let Some(mismatch) = &outcome.mismatch {
-        eprintln!("haptor-host: device refused: {mismatch}");
+        say(format_args!("device refused: {mismatch}"));
     }
     if let Some(error) = &outcome.written.error {
-        eprintln!("haptor-host: {error}; {} records not written", outcome.written.unwritten);
+        say(format_args!("{error}; {} records not written", outcome.written.unwritten));
     }
     if outcome.written.dumps_left_out > 0 {
-        eprintln!("haptor-host: {} black boxes not written; name a file with --blackbox", outcome.written.dumps_left_out);
+        say(format_args!("{} black boxes not written; name a file with --blackbox", outcome.written.dumps_left_out));
     }
     if outcome.is_good() { ExitCode::SUCCESS } else { ExitCode::from(EXIT_PROBLEM) }
 }
 
 fn refuse(error: &HostError) -> ExitCode {
-    eprintln!("haptor-host: {error}");
+    say(format_args!("{error}"));
     ExitCode::from(if error.is_bad_input() { EXIT_BAD_INPUT } else { EXIT_PROBLEM })
+}
+
+/// Tells whoever is left to hear it.
+fn say(what: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "haptor-host: {what}");
 }

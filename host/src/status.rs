@@ -40,7 +40,8 @@ pub fn run(format: StatusFormat, rate_hz: u32, mut news: Consumer<FromHost>, end
 
 fn complain(fault: &FaultRecord) {
     let FaultRecord { cause, tick, after_ticks } = fault;
-    eprintln!("haptor-host: fault: {} in tick {tick}; wrench zero after {after_ticks} ticks", cause.name());
+    // nobody may be left to hear it
+    let _ = writeln!(io::stderr(), "haptor-host: fault: {} in tick {tick}; wrench zero after {after_ticks} ticks", cause.name());
 }
 
 struct Out {

@@ -5,7 +5,7 @@ mod clock;
 mod drill;
 mod link;
 
-use std::io::{Read, Write, stdin, stdout};
+use std::io::{Read, Write, stderr, stdin, stdout};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -72,6 +72,11 @@ fn stop_on_signals(args: &Args) -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
+/// Tells whoever is left to hear it.
+fn say(what: std::fmt::Arguments<'_>) {
+    let _ = writeln!(stderr(), "haptor-firmware-sim: {what}");
+}
+
 fn watch_stdin(stop: Arc<AtomicBool>) {
     std::thread::spawn(move || {
         let mut buffer = [0; 256];
@@ -121,7 +126,7 @@ impl<'a> Server<'a> {
     fn turn(&mut self) -> Result<bool> {
         let orders = self.orders();
         if orders.die {
-            eprintln!("haptor-firmware-sim: drill: gone");
+            say(format_args!("drill: gone"));
             return Ok(false);
         }
         if orders.restart {
@@ -177,13 +182,13 @@ impl<'a> Server<'a> {
 
     fn say_how_it_went(&self, clock: &Clock) {
         let counts = self.device.counts();
-        eprintln!(
-            "haptor-firmware-sim: {} turns, {} times stood still; {} messages, {} frames rejected; {} writes dropped",
+        say(format_args!(
+            "{} turns, {} times stood still; {} messages, {} frames rejected; {} writes dropped",
             clock.turns(),
             clock.stood_still(),
             counts.accepted,
             counts.rejected(),
             self.link.dropped()
-        );
+        ));
     }
 }

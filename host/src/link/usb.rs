@@ -51,7 +51,11 @@ impl UsbLink {
     /// # Errors
     /// libusb's: none found, no right to it, claimed by another program.
     pub fn open(serial: Option<&str>) -> io::Result<Self> {
-        let context = Context::new().map_err(into_io)?;
+        // libusb calls it "other error" when the system has no USB at all, as in most containers
+        let context = Context::new().map_err(|error| match error {
+            Error::Other => io::Error::other("this system gives no access to USB; is /dev/bus/usb there?"),
+            error => into_io(error),
+        })?;
         let devices = context.devices().map_err(into_io)?;
         let mut refused = None;
         for device in devices.iter() {

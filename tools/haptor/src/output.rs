@@ -3,6 +3,7 @@
 //! A file is written beside its target under a temporary name and renamed when it is whole; a failure on the way leaves whatever
 //! was there before. A target that is no regular file (a pipe, a terminal, `/dev/null`) is written in place.
 
+use std::fmt::Display;
 use std::fs::{self, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::os::unix::fs::PermissionsExt;
@@ -44,6 +45,9 @@ impl Output {
             return Err(io::Error::new(ErrorKind::IsADirectory, "it is a directory"));
         }
         let folder = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(io::Error::new(ErrorKind::NotFound, format!("there is no folder {}", folder.display())));
+        }
         let temporary =
             tempfile::Builder::new().prefix(".haptor-").permissions(Permissions::from_mode(MODE)).tempfile_in(folder)?;
         let writer = BufWriter::new(temporary.reopen()?);
@@ -82,6 +86,11 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Outcome {
     let mut output = Output::create(Some(path))?;
     output.write_all(bytes).map_err(|error| unwritten(&error))?;
     output.finish()
+}
+
+/// Prints a line on standard output; a reader that has left is no failure.
+pub fn say(line: impl Display) {
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 /// The failure of a write that began well.

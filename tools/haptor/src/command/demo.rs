@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 
 use super::bake::bake;
 use crate::failure::{Failure, Outcome};
-use crate::output::{Output, unwritten};
+use crate::output::{Output, say, unwritten};
 use crate::plot::{self, Curve};
 use crate::programs;
 use crate::progress;
@@ -36,7 +36,7 @@ use crate::session::table;
                         With a fault: haptor demo --seconds 5 --drill stall@2:50ms")]
 pub struct Args {
     /// Length of the session [s], 1 to 3600
-    #[arg(long, default_value_t = 8.0, value_parser = seconds)]
+    #[arg(long, default_value_t = 8.0, allow_negative_numbers = true, value_parser = seconds)]
     seconds: f64,
     /// Scene file; a steel ball on a rubber cube when not given
     #[arg(long)]
@@ -44,7 +44,7 @@ pub struct Args {
     /// Device to simulate
     #[arg(long, default_value = "premium15", value_parser = ["premium15", "sigma7", "omega6", "touch"])]
     preset: String,
-    /// Ticks per second [Hz]
+    /// Ticks per second [Hz], 100 to 8000
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]
     rate: u32,
     /// Something that goes wrong T seconds into the session: die@T (the device is gone), stall@T[:50ms] (nothing goes over the
@@ -215,13 +215,13 @@ fn curves(ticks: &[TickRecord], of: fn(&TickRecord) -> [f32; 3], names: [&'stati
 /// Prints the table and says whether the session was good.
 fn conclude(args: &Args, session: &Session, recording: &Recording, folder: &Folder) -> Outcome {
     let figures = Figures::new(session.summary, recording);
-    print!("{}", figures.table());
+    say(figures.table().trim_end());
     for drill in &args.drills {
-        println!("{:<30}{}", "drill", drill.text);
+        say(format_args!("{:<30}{}", "drill", drill.text));
     }
-    println!("{:<30}{} (wrench.csv, force.png, torque.png, session.haptor)", "results", folder.path.display());
+    say(format_args!("{:<30}{} (wrench.csv, force.png, torque.png, session.haptor)", "results", folder.path.display()));
     if folder.path.join(BLACK_BOX).is_file() {
-        println!("{:<30}the last ticks before the fault are in {BLACK_BOX}", "black box");
+        say(format_args!("{:<30}the last ticks before the fault are in {BLACK_BOX}", "black box"));
     }
     let interrupted = session.interrupted.then(|| "interrupted; the results are those up to then".to_owned());
     match (&session.trouble, figures.verdict().or(interrupted)) {

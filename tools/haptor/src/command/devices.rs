@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::failure::Outcome;
+use crate::output::say;
 
 /// Lists serial ports, USB devices and the devices that can be simulated.
 #[derive(Debug, clap::Args)]
@@ -42,17 +43,17 @@ pub fn run(args: &Args) -> Outcome {
     let (serial, usb) = (serial(), usb(Path::new(USB)));
     if args.json {
         let value = json!({ "serial": serial, "usb": usb, "simulated": PRESETS.iter().map(preset).collect::<Vec<_>>() });
-        println!("{value:#}");
+        say(format_args!("{value:#}"));
         return Ok(());
     }
     print(&serial, "serial ports", |port| format!("serial:{}  {}", text(port, "port"), text(port, "what")));
     print(&usb, "USB devices", |device| {
         format!("{}:{}  {}", text(device, "vendor"), text(device, "product"), text(device, "name"))
     });
-    println!("simulated (haptor demo --preset NAME)");
+    say("simulated (haptor demo --preset NAME)");
     for Preset { name, model, max_force, max_torque } in PRESETS {
         let torque = if max_torque > 0.0 { format!("{max_torque} N m") } else { "no torque".to_owned() };
-        println!("  {name:<11}{model}, {max_force} N, {torque}");
+        say(format_args!("  {name:<11}{model}, {max_force} N, {torque}"));
     }
     Ok(())
 }
@@ -96,8 +97,8 @@ fn usb_device(path: &Path) -> Option<(String, Value)> {
 }
 
 fn print(list: &[Value], title: &str, line: impl Fn(&Value) -> String) {
-    println!("{title}{}", if list.is_empty() { ": none" } else { "" });
-    list.iter().for_each(|item| println!("  {}", line(item)));
+    say(format_args!("{title}{}", if list.is_empty() { ": none" } else { "" }));
+    list.iter().for_each(|item| say(format_args!("  {}", line(item))));
 }
 
 fn text<'v>(value: &'v Value, key: &str) -> &'v str {

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use crate::doctor::{self, Finding, Mark};
 use crate::failure::{Failure, Outcome};
+use crate::output::say;
 
 /// Tells whether this machine is good enough for 1 kHz and what to change.
 ///
@@ -25,7 +26,7 @@ pub fn run(args: &Args) -> Outcome {
     let findings = doctor::examine(args.soak);
     if args.json {
         let lines: Vec<_> = findings.iter().map(json).collect();
-        println!("{:#}", json!({ "checks": lines, "good": !findings.iter().any(is_fail) }));
+        say(format_args!("{:#}", json!({ "checks": lines, "good": !findings.iter().any(is_fail) })));
     } else {
         findings.iter().for_each(print);
     }
@@ -40,9 +41,9 @@ fn is_fail(finding: &Finding) -> bool {
 }
 
 fn print(finding: &Finding) {
-    println!("{:<5}{:<20}{}", finding.mark.name(), finding.what, finding.found);
+    say(format_args!("{:<5}{:<20}{}", finding.mark.name(), finding.what, finding.found));
     if let Some(advice) = &finding.advice {
-        println!("{:25}-> {advice}", "");
+        say(format_args!("{:25}-> {advice}", ""));
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use haptor_mesh::{Findings, Mesh, Properties, check, load_stl, properties, weld};
 
 use crate::failure::{Failure, Outcome};
+use crate::output::say;
 
 /// Looks into mesh files (STL).
 #[derive(Debug, clap::Args)]
@@ -19,7 +20,7 @@ enum Action {
     /// Prints size, volume, mass centre, inertia and what is wrong; exit 2 when unreadable
     #[command(after_help = "Example: haptor mesh info part.stl --scale 0.001 --json")]
     Info(File),
-    /// Exit 1 when the mesh is not the skin of a solid, 2 when unreadable
+    /// Tells whether the mesh is the skin of a solid: exit 0 when it is, 1 with what is wrong when not, 2 when unreadable
     #[command(after_help = "Example: haptor mesh check part.stl --scale 0.001")]
     Check(File),
 }
@@ -48,18 +49,19 @@ pub fn run(args: &Args) -> Outcome {
     match &args.action {
         Action::Info(file) => {
             let examined = examine(file)?;
-            print!("{}", if file.json { examined.json() } else { examined.text() });
+            let text = if file.json { examined.json() } else { examined.text() };
+            say(text.trim_end());
             Ok(())
         }
         Action::Check(file) => {
             let examined = examine(file)?;
             let problems = examined.findings.problems();
             if file.json {
-                print!("{}", examined.json());
+                say(examined.json().trim_end());
             }
             if problems.is_empty() {
                 if !file.json {
-                    println!("{}: a solid", file.file.display());
+                    say(format_args!("{}: a solid", file.file.display()));
                 }
                 return Ok(());
             }

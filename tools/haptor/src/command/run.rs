@@ -24,7 +24,7 @@ pub struct Args {
     /// sim (a simulated device), usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; `haptor devices` lists what is there
     #[arg(long, value_parser = device)]
     device: String,
-    /// Ticks per second [Hz]
+    /// Ticks per second [Hz], 100 to 8000
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]
     rate: u32,
     /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted
@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Outcome {
     let status = Child::attached(&mut command)?.wait_for_end(&interrupted);
     match status.code() {
         Some(0) => Ok(()),
-        Some(1) => Err(Failure::problem("the session was no good; haptor-host says why")),
+        Some(1) => Err(Failure::problem("the session failed; haptor-host says why above")),
         Some(2) => Err(Failure::bad_input("haptor-host refused what it was given")),
         _ => Err(Failure::problem(format!("haptor-host ended with {status}"))),
     }

@@ -33,7 +33,7 @@ struct PressTwistSlide {
     #[arg(long)]
     scene: Option<PathBuf>,
     /// Depth of the press [m]
-    #[arg(long, default_value_t = 0.001, value_parser = positive)]
+    #[arg(long, default_value_t = 0.001, allow_negative_numbers = true, value_parser = positive)]
     depth: f64,
     /// Angle of the twist [rad]
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = finite)]
