@@ -129,7 +129,11 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("max_regions = 10", "max_regions = 11", &["s.toml:19:", "contact.max_regions = 11", "1 to 10"]),
         ("max_regions = 10", "max_regions = 2.5", &["s.toml:19:", "contact.max_regions = 2.5", "whole number"]),
         ("max_regions = 10", "max_regions = -1", &["s.toml:19:", "contact.max_regions = -1", "1 to 10"]),
-        ("tier = \"bristle\"", "tier = \"exact\"", &["s.toml:22:", "model.tier = \"exact\"", "point, paper, bristle or influence"]),
+        (
+            "tier = \"bristle\"",
+            "tier = \"exact\"",
+            &["s.toml:22:", "model.tier = \"exact\"", "point, paper, bristle or influence"],
+        ),
         ("tier = \"bristle\"", "tier = \"influence\"", &["model.samples = 64", "52 or 112 for tier influence"]),
         ("tier = \"bristle\"", "tier = \"green\"", &["s.toml:22:", "not available in this version"]),
         ("samples = 64", "samples = 15", &["s.toml:23:", "model.samples = 15", "16 to"]),

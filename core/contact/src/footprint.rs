@@ -175,8 +175,8 @@ fn exponent(area: f32, half_area: f32) -> f32 {
     if n.is_finite() { clamp(n, 1.0, LARGEST_EXPONENT) } else { LARGEST_EXPONENT }
 }
 
-/// Halvings that place the slice on a curved object: 2^-12 of the depth, 0.01 % of the load.
-const SLICE_STEPS: usize = 12;
+/// Halvings that place the slice on a curved object: 2^-7 of the depth, refined by the fall's own equation.
+const SLICE_STEPS: usize = 7;
 
 /// Exponent that stands for a flat punch: its footprint is a flat one's within 0.1 %.
 const LARGEST_EXPONENT: f32 = 1.0e4;

@@ -47,20 +47,25 @@ fn box_gap(half: Vec3, q: Vec3) -> Gap {
     let outside = Vec3::new(max(beyond.x, 0.0), max(beyond.y, 0.0), max(beyond.z, 0.0));
     let sign = Vec3::new(side(q.x), side(q.y), side(q.z));
     if outside == Vec3::ZERO {
-        return inside_box(beyond, sign);
+        let (depth, weights) = blend(-beyond);
+        return Gap { distance: -depth, normal: direction(weights * sign, Vec3::Z) };
     }
     Gap { distance: root(outside.length_squared()), normal: direction(outside * sign, Vec3::Z) }
 }
 
-/// Inside, the nearest face wins; ties go to z, then y, so that the top is stable.
-fn inside_box(beyond: Vec3, sign: Vec3) -> Gap {
-    if beyond.z >= beyond.x && beyond.z >= beyond.y {
-        Gap { distance: beyond.z, normal: Vec3::Z * sign.z }
-    } else if beyond.y >= beyond.x {
-        Gap { distance: beyond.y, normal: Vec3::Y * sign.y }
-    } else {
-        Gap { distance: beyond.x, normal: Vec3::X * sign.x }
+/// Inside, the faces share the depth: d = (sum s_i^-4)^(-1/4) of the slacks s_i to them, and the normal is the gradient, weights s_i^-5 (theory.md,
+/// equation 2.3). Convex, zero on the surface, off by (d/s)^4/4 under a face, and its normal turns continuously over an edge, where the
+/// nearest face alone would make it jump.
+fn blend(slack: Vec3) -> (f32, Vec3) {
+    let least = min(slack.x, min(slack.y, slack.z));
+    if least <= 0.0 {
+        let touched = |s: f32| if s <= 0.0 { 1.0 } else { 0.0 };
+        return (0.0, Vec3::new(touched(slack.x), touched(slack.y), touched(slack.z)));
     }
+    let share = Vec3::splat(least) / slack;
+    let squares = share * share;
+    let fourths = squares * squares;
+    (least / root(root(fourths.element_sum())), fourths * share)
 }
 
 fn side(x: f32) -> f32 {
@@ -74,11 +79,8 @@ fn cylinder_gap(radius: f32, half_height: f32, q: Vec3) -> Gap {
     let beyond_end = q.z.abs() - half_height;
     let axial = Vec3::Z * side(q.z);
     if beyond_side <= 0.0 && beyond_end <= 0.0 {
-        return if beyond_end >= beyond_side {
-            Gap { distance: beyond_end, normal: axial }
-        } else {
-            Gap { distance: beyond_side, normal: radial }
-        };
+        let (depth, weights) = blend(Vec3::new(-beyond_side, -beyond_end, f32::MAX));
+        return Gap { distance: -depth, normal: direction(radial * weights.x + axial * weights.y, axial) };
     }
     let outside = radial * max(beyond_side, 0.0) + axial * max(beyond_end, 0.0);
     Gap { distance: root(outside.length_squared()), normal: direction(outside, axial) }

@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::geometry::support::{reach, support};
-use crate::math::{GAUSS_4, PI, clamp, cos, max, min, perpendicular, root, sin};
+use crate::math::{GAUSS_4, PI, clamp, max, min, perpendicular, root};
 use crate::model::ProbeShape;
 
 /// Area and centroid of a slice.
@@ -107,14 +107,15 @@ fn of_cone(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     Slice::new(area, Vec3::Z * (-0.75 * height) - d * z + horizontal * centre, (cos_half / spread, 1.0 / root(spread)))
 }
 
-/// Six-point Gauss rule on 0..1, for the angle that takes up the square-root ends of a chord.
-const GAUSS_6: [(f32, f32); 6] = [
-    (0.033_765_24, 0.085_662_246),
-    (0.169_395_31, 0.180_380_79),
-    (0.380_690_4, 0.233_956_97),
-    (0.619_309_6, 0.233_956_97),
-    (0.830_604_7, 0.180_380_79),
-    (0.966_234_74, 0.085_662_246),
+/// Six-point Gauss rule over the angle that takes up the square-root ends of a chord: place on -1..1 (sine of the angle) and weight (with the
+/// cosine of the substitution) of a span of length 1.
+const CHORDS: [(f32, f32); 6] = [
+    (-0.994_379_16, 0.014_246_701),
+    (-0.861_707_5, 0.143_768_98),
+    (-0.366_107_02, 0.341_984_33),
+    (0.366_107_02, 0.341_984_33),
+    (0.861_707_5, 0.143_768_98),
+    (0.994_379_16, 0.014_246_701),
 ];
 
 /// A stack of circles along +z whose radius grows evenly: cylinder and cone.
@@ -136,13 +137,13 @@ impl Trunk {
         let level = z - (lowest - self.start).dot(d);
         let (low, high) = self.span(level, rise, sine);
         let (mut area, mut along, mut up, mut widest) = (0.0, 0.0, 0.0, 0.0);
-        for (share, weight) in GAUSS_6 {
-            let angle = PI * (share - 0.5);
-            let t = 0.5 * (low + high) + 0.5 * (high - low) * sin(angle);
+        let (middle, length) = (0.5 * (low + high), high - low);
+        for (place, weight) in CHORDS {
+            let t = middle + 0.5 * length * place;
             let y = (level - t * rise) / sine;
             let radius = self.tip_radius + self.growth * t;
             let chord = 2.0 * root((radius - y) * (radius + y));
-            let strip = chord * 0.5 * (high - low) * cos(angle) * PI * weight / sine;
+            let strip = chord * length * weight / sine;
             (area, along, up, widest) = (area + strip, along + strip * t, up + strip * y, max(widest, chord));
         }
         if area <= 0.0 {
@@ -194,7 +195,9 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     if stadium <= cap {
         return Slice::round(cap, end + d * (radius - z));
     }
-    let along = (moment + 0.5 * PI * far * far * length) / stadium;
+    // the centroid leaves the end as the stadium outgrows the cap, without a step
+    let lead = min((stadium - cap) / (0.5 * cap), 1.0);
+    let along = lead * (moment + 0.5 * PI * far * far * length) / stadium;
     let centroid = end + tilt.axis * along + d * (along * tilt.cos + radius - z);
     Slice::new(stadium, centroid, (disc(0.0) + length * tilt.sin + far, 2.0 * disc(0.0)))
 }

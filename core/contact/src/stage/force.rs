@@ -89,18 +89,30 @@ fn footprint(model: &Model<'_>, params: &Params, contacts: &[Contact], patch: &P
     in_series(at_depth, free, body::normal(model, patch.at_rest(), patch.normal))
 }
 
-/// Halvings that share the depth between contact and body: 2^-20 of the depth.
-const SERIES_STEPS: usize = 20;
+/// Steps that share the depth between contact and body: false position on a residual that is convex in the depth settles to 1e-5 in five.
+const SERIES_STEPS: usize = 5;
 
-/// Solves local + C_n P(local) = depth; P grows with depth, so the local depth is bracketed.
+/// Solves local + C_n P(local) = depth; P grows with depth, so the local depth is bracketed (Illinois).
 fn in_series(at_depth: impl Fn(f32) -> Footprint, depth: f32, compliance: f32) -> Footprint {
+    let full = at_depth(depth);
     if compliance <= 0.0 {
-        return at_depth(depth);
+        return full;
     }
-    let (mut low, mut high) = (0.0, depth);
+    let (mut low, mut high) = ((0.0, -depth), (depth, compliance * full.load));
+    let mut local = full;
     for _ in 0..SERIES_STEPS {
-        let middle = 0.5 * (low + high);
-        if middle + compliance * at_depth(middle).load < depth { low = middle } else { high = middle }
+        let span = high.1 - low.1;
+        if span <= 0.0 || high.1 <= 0.0 {
+            break;
+        }
+        let middle = low.0 - low.1 * (high.0 - low.0) / span;
+        local = at_depth(middle);
+        let residual = middle + compliance * local.load - depth;
+        if residual < 0.0 {
+            (low, high.1) = ((middle, residual), 0.5 * high.1);
+        } else {
+            (high, low.1) = ((middle, residual), 0.5 * low.1);
+        }
     }
-    at_depth(min(high, depth))
+    local
 }

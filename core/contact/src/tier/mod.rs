@@ -7,7 +7,7 @@ pub mod point;
 
 use glam::Vec2;
 
-use crate::math::{max, min};
+use crate::math::{clamp, max, min};
 use crate::model::{Compliance, Model};
 use crate::params::Params;
 use crate::patch::{Patch, Shift};
@@ -66,6 +66,19 @@ impl Hold {
             },
         }
     }
+}
+
+/// What a tick leaves of a shift, held to twice the shift that takes contact and body from rest to full slip: more cannot matter, and where the
+/// body is 1e7 times softer than the contact f32 would let it grow without end.
+pub fn carried(hold: &Hold, rest: Shift) -> Shift {
+    let full = hold.mu_s * hold.load;
+    let most_drag = 2.0 * full * (1.0 / hold.drag_stiffness + hold.body.drag);
+    let full_torque = full * hold.radius * hold.profile.full_slip_torque();
+    let most_twist = 2.0 * full_torque * (1.0 / hold.twist_stiffness + hold.body.twist);
+    let size = rest.drag.length();
+    let drag = if size > most_drag { rest.drag * (most_drag / size) } else { rest.drag };
+    let sound = drag.is_finite() && rest.twist.is_finite();
+    if sound { Shift { drag, twist: clamp(rest.twist, -most_twist, most_twist) } } else { Shift::default() }
 }
 
 /// Share of the traction that leaves with the material when the patch rolls by `rolled`: the strip 2 a x rolled over pi a^2.

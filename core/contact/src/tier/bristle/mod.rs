@@ -17,7 +17,7 @@ use crate::limits::MAX_BRISTLES;
 use crate::math::{cos, sin};
 use crate::patch::{Grip, Patch, Shift};
 use crate::profile::{COMMON_DRAG, COMMON_TWIST};
-use crate::tier::{Hold, rolled_away};
+use crate::tier::{Hold, carried, rolled_away};
 use ring::Rings;
 use slip::Common;
 
@@ -92,7 +92,7 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     let wanted = hold.wanted + Shift { drag: left.force * hold.body.drag, twist: left.torque * hold.body.twist };
     let answer = slip::shift(hold, layout, &rings, bristles, &common(hold), wanted, &before);
     // what is left is carried on, so that nothing drifts
-    (patch.grip, patch.pending) = (answer.grip, answer.rest);
+    (patch.grip, patch.pending) = (answer.grip, carried(hold, answer.rest));
 }
 
 /// Common share of the local compliance, with the body in series.

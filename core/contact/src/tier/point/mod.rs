@@ -10,7 +10,7 @@ use glam::Vec2;
 
 use crate::math::{clamp, max, min, pow, root};
 use crate::patch::{Grip, Patch, Shift};
-use crate::tier::{Hold, rolled_away};
+use crate::tier::{Hold, carried, rolled_away};
 use curve::Curve;
 use memory::{Memory, held};
 
@@ -50,7 +50,7 @@ pub fn advance(hold: &Hold, patch: &mut Patch) {
     let wanted = hold.wanted + sprung;
     let dragged = pull(&drag, &mut patch.point.drag, force, wanted.drag, hold.body.drag);
     let turned = pull(&twist, &mut patch.point.twist, torque, Vec2::new(wanted.twist, 0.0), hold.body.twist);
-    patch.pending = Shift { drag: dragged.pending, twist: turned.pending.x };
+    patch.pending = carried(hold, Shift { drag: dragged.pending, twist: turned.pending.x });
 
     let (force, torque) = share_budget(&drag, &twist, patch, dragged.load, turned.load);
     let slid = dragged.taken / drag.slope_reach() + turned.taken / twist.slope_reach();
