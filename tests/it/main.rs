@@ -3,6 +3,7 @@
 mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
+mod bits;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;

@@ -3,6 +3,8 @@
 //!
 //! The tool never runs a real-time loop: `demo` and `run` start the programs `haptor-firmware-sim` and `haptor-host` that lie
 //! beside it and talk to them over the tool link (`haptor_wire::status`).
+
+#![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
 mod command;

@@ -50,7 +50,7 @@ impl Findings {
     }
 }
 
-/// Checks a mesh whose vertices have been joined ([`crate::weld`]).
+/// Checks a mesh whose vertices have been joined ([`crate::weld()`]).
 pub fn check(mesh: &Mesh) -> Findings {
     let mut findings = Findings { pieces: pieces(mesh), ..Findings::default() };
     for &(forward, backward) in edges(mesh).values() {

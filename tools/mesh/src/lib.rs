@@ -1,6 +1,6 @@
 //! Meshes on the host's side: load, check, measure, tessellate.
 //!
-//! Words: a **mesh** is a list of vertices [m] and of triangles whose corners run counter-clockwise seen from outside; a
+//! Words: a **mesh** is a list of vertices \[m\] and of triangles whose corners run counter-clockwise seen from outside; a
 //! **boundary edge** belongs to one triangle, a **non-manifold edge** to more than two, a **flipped edge** to two that run along
 //! it in the same direction. A mesh with none of the three encloses a solid. Everything is f64 and SI; no clock, no randomness:
 //! the same file gives the same numbers. None of it runs in a tick.
@@ -8,10 +8,10 @@
 //! | module | what it does |
 //! |---|---|
 //! | `fem` | compliance of a body beyond the half space, by finite elements (feature `fem`) |
-//! | [`load`] | bounded reading of STL files |
-//! | [`weld`] | joins vertices that lie within a tolerance |
-//! | [`check`] | watertight, manifold, oriented, free of slivers |
-//! | [`properties`] | volume, mass centre, inertia |
+//! | [`mod@load`] | bounded reading of STL files |
+//! | [`weld()`] | joins vertices that lie within a tolerance |
+//! | [`check()`] | watertight, manifold, oriented, free of slivers |
+//! | [`properties()`] | volume, mass centre, inertia |
 //! | [`tessellate`] | triangles for the primitives of a scene |
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -1,5 +1,5 @@
-//! `cargo xtask m7`: the core and the wire for a Cortex-M7 without an operating system, and the proof that nothing in them
-//! allocates.
+//! `cargo xtask m7`: the core and the wire for a Cortex-M7 without an operating system, the proof that nothing in them allocates, and a
+//! session of the core on an emulated one, whose bits must be those of a PC.
 //!
 //! Two toolchains can do it. Where rustup's target is installed it is used. Where rustup cannot fetch it, Debian's second Rust
 //! (packages rustc-web and rust-web-src) builds `core` from source. Which one was used is said.
@@ -10,6 +10,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
+use crate::m7_image;
 use crate::run::{self, ask, cargo, target};
 
 /// A Cortex-M7 with a floating-point unit of single precision.
@@ -37,23 +38,30 @@ enum Toolchain {
 
 /// Builds and looks.
 pub fn run() -> Result<ExitCode> {
-    let folder = target()?.join("m7");
-    match toolchain()? {
-        Toolchain::Rustup => {
-            println!("toolchain: rustup's target {TARGET}");
-            run::run(&mut build(&folder))?;
-        }
-        Toolchain::Debian => {
-            println!("toolchain: {}, core from source", version());
-            let mut command = build(&folder);
-            command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").arg("-Zbuild-std=core");
-            run::run(&mut command)?;
-        }
+    let (folder, image) = (target()?.join("m7"), target()?.join("m7-image"));
+    let toolchain = toolchain()?;
+    match toolchain {
+        Toolchain::Rustup => println!("toolchain: rustup's target {TARGET}"),
+        Toolchain::Debian => println!("toolchain: {}, core from source", version()),
     }
+    run::run(toolchain.take(&mut build(&folder)))?;
     let libraries = libraries(&folder.join(TARGET).join("release/deps"))?;
     no_allocator(&libraries)?;
     println!("{} libraries for {TARGET}, no allocator in any of them", libraries.len());
+
+    run::run(toolchain.take(&mut m7_image::build(TARGET, &image)?))?;
+    println!("emulated Cortex-M7: {}, as on a PC", m7_image::emulate(TARGET, &image)?);
     Ok(ExitCode::SUCCESS)
+}
+
+impl Toolchain {
+    /// Has `command` build with this toolchain.
+    fn take<'c>(&self, command: &'c mut Command) -> &'c mut Command {
+        match self {
+            Self::Rustup => command,
+            Self::Debian => command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").arg("-Zbuild-std=core"),
+        }
+    }
 }
 
 /// The build; its own folder, so that it never disturbs the host's.
@@ -69,7 +77,7 @@ fn toolchain() -> Result<Toolchain> {
         return Ok(Toolchain::Rustup);
     }
     if !has_source() {
-        install()?;
+        run::install(&PACKAGES)?;
     }
     if has_source() {
         return Ok(Toolchain::Debian);
@@ -91,14 +99,6 @@ fn has_source() -> bool {
 
 fn version() -> String {
     ask(DEBIAN_RUSTC, &["--version"]).unwrap_or_default()
-}
-
-/// Installs Debian's packages where that is possible; where it is not, the caller says what to do.
-fn install() -> Result<()> {
-    if ask("apt-get", &["--version"]).is_none() || ask("id", &["-u"]).as_deref() != Some("0") {
-        return Ok(());
-    }
-    run::run(Command::new("apt-get").args(["install", "-y", "--no-install-recommends"]).args(PACKAGES))
 }
 
 /// The libraries of a build, `core` and its helpers left out: they define what is looked for.

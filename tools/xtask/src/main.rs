@@ -5,6 +5,7 @@ mod ci;
 mod demo;
 mod docs;
 mod m7;
+mod m7_image;
 mod run;
 
 use std::process::ExitCode;
