@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn a_bare_pseudo_terminal_does_not_come_back() {
         for (text, expected) in
-            [("serial:/dev/pts/3", false), ("serial:/dev/ttyACM0", true), ("serial:/tmp/device", true), ("usb", true)]
+            [("serial:/dev/pts/3", false), ("serial:/dev/ttyACM0", true), ("serial:/run/device", true), ("usb", true)]
         {
             assert_eq!(text.parse::<Address>().unwrap().comes_back(), expected, "{text}");
         }

@@ -4,7 +4,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use haptor_contact::{MAX_DISTANCE, QUATERNION_TOLERANCE, Quat, Vec3};
+use haptor_contact::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE, QUATERNION_TOLERANCE, Quat, Vec3};
 
 use crate::failure::Failure;
 
@@ -99,7 +99,29 @@ fn row(record: &csv::StringRecord, before: Option<&Row>, text: &str) -> Result<R
     }
     let rotation = quaternion([number(4)?, number(5)?, number(6)?, number(7)?]).map_err(|what| (at, what))?;
     let position = Vec3::from_array(position.map(|value| value as f32));
-    Ok(Row { written_t: record[0].to_owned(), t, dt: 0.0, position, rotation })
+    if position.length() > MAX_DISTANCE {
+        let rule = format!("allowed is within {MAX_DISTANCE} m of the world's origin; are these metres?");
+        return Err((at, format!("px,py,pz lies {} m away: {rule}", position.length())));
+    }
+    let row = Row { written_t: record[0].to_owned(), t, dt: 0.0, position, rotation };
+    before.map_or(Ok(()), |before| check_motion(before, &row)).map_err(|what| (at, what))?;
+    Ok(row)
+}
+
+/// The core would refuse a pose that jumps; a file that holds one is refused as a whole.
+fn check_motion(before: &Row, row: &Row) -> Result<(), String> {
+    let time = (row.t - before.t) as f32;
+    let speed = (row.position - before.position).length() / time;
+    if speed > MAX_SPEED {
+        let rule = format!("allowed is up to {MAX_SPEED} m/s from row to row; give the motion more rows or more time");
+        return Err(format!("px,py,pz moves at {speed} m/s: {rule}"));
+    }
+    let rate = before.rotation.normalize().angle_between(row.rotation.normalize()) / time;
+    if rate > MAX_TURN_RATE {
+        let rule = format!("allowed is up to {MAX_TURN_RATE} rad/s from row to row; give the turn more rows or more time");
+        return Err(format!("qw,qx,qy,qz turns at {rate} rad/s: {rule}"));
+    }
+    Ok(())
 }
 
 fn number(text: &str) -> Result<f64, &'static str> {
@@ -169,6 +191,16 @@ mod tests {
         assert_eq!(parse(windows.as_bytes()).unwrap(), plain);
         assert_eq!(plain.iter().map(|row| row.dt).collect::<Vec<_>>(), [0.5, 0.5]);
         assert_eq!(plain[1].written_t, "0.5");
+    }
+
+    #[test]
+    fn jumps_are_refused_with_their_row() {
+        let cases =
+            [("0.001,0.06,0,1,1,0,0,0", "m/s"), ("0.001,0,0,1,0,0,0,1", "rad/s"), ("0.1,800,800,1,1,0,0,0", "within 1000 m")];
+        for (row, expected) in cases {
+            let (line, what) = parse(format!("{HEAD}0,0,0,1,1,0,0,0\n{row}\n").as_bytes()).unwrap_err();
+            assert!(line == 3 && what.contains(expected), "{row}: {line} {what}");
+        }
     }
 
     #[test]

@@ -117,17 +117,22 @@ fn refuse_rigid_scene(args: &Args, scene: &Scene) -> Outcome {
     Err(Failure::bad_input(format!("--surface: {file} says deformation = \"none\"; set it to \"local\" or \"full\"")))
 }
 
-/// Two results in one file: the later would take the earlier's place.
+/// Two results in one file, or a result in an input: the later would take the earlier's place.
 fn refuse_shared_files(args: &Args) -> Outcome {
-    let files: Vec<&Path> =
+    let same = |path: &Path| std::fs::canonicalize(path).unwrap_or(path.to_owned());
+    let results: Vec<&Path> =
         args.output.iter().chain(args.surface.iter().map(|request| &request.file)).map(PathBuf::as_path).collect();
-    let twice = files.iter().enumerate().find(|(index, file)| files[..*index].contains(file));
-    match twice {
-        Some((_, file)) => {
-            Err(Failure::bad_input(format!("{}: asked for twice; give each result a file of its own", file.display())))
+    let inputs = [same(&args.scene), same(&args.trajectory)];
+    for (index, file) in results.iter().enumerate() {
+        let refuse = |why| Err(Failure::bad_input(format!("{}: {why}; give each result a file of its own", file.display())));
+        if inputs.contains(&same(file)) {
+            return refuse("is an input of this command and would be overwritten");
         }
-        None => Ok(()),
+        if results[..index].iter().any(|other| same(other) == same(file)) {
+            return refuse("asked for twice");
+        }
     }
+    Ok(())
 }
 
 /// The scene's parameters with the command line's in their place. The scene's own have been validated, so of these only the
