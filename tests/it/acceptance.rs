@@ -14,10 +14,9 @@ use serde::Deserialize;
 use crate::support::drive::{CUBE, Drive, RUBBER};
 use crate::support::exact::zero;
 use crate::support::led::{Shift, Units, lead, worst};
+use crate::support::tables::{CombinedPath, combined_table, drag_table};
 
 const ACCEPTANCE: &str = include_str!("../truth/acceptance.json");
-const COMBINED: &str = include_str!("../truth/B6_combined.json");
-const DRAG_ON_CUBE: &str = include_str!("../truth/B5_drag_cube.json");
 const STRAIGHT: &str = include_str!("../truth/straight_paths.json");
 const TURNING: &str = include_str!("../truth/turning_paths.json");
 
@@ -177,28 +176,10 @@ fn twist_on_the_cube() {
     }
 }
 
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct DragTable {
-    R_m: f64,
-    rows: Vec<DragRow>,
-}
-
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct DragRow {
-    nu: f64,
-    delta_m: f64,
-    mu: f64,
-    F_N: f64,
-    dt_m: Vec<f64>,
-    Q_N: Vec<f64>,
-}
-
 /// Against finite elements, in newtons: the body's own shear and bending take up to half of the shift.
 #[test]
 fn drag_on_the_cube() {
-    let table: DragTable = serde_json::from_str(DRAG_ON_CUBE).expect("the table parses");
+    let table = drag_table();
     for tier in TIERS {
         let mut worst = 0.0_f64;
         for row in &table.rows {
@@ -274,30 +255,6 @@ fn a_stuck_patch_on_the_ellipsoid() {
     }
 }
 
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct Combined {
-    Qmax_N: f64,
-    Tmax_Nm: f64,
-    dt0_m: f64,
-    phi_unit_rad: f64,
-    mu: f64,
-    R_m: f64,
-    delta_m: f64,
-    nu: f64,
-    paths: Vec<CombinedPath>,
-}
-
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct CombinedPath {
-    name: String,
-    dx_m: Vec<f64>,
-    phi_rad: Vec<f64>,
-    Q_N: Vec<f64>,
-    T_Nm: Vec<f64>,
-}
-
 /// A path with its answers, in the contact's units.
 struct Known {
     name: String,
@@ -306,7 +263,7 @@ struct Known {
 }
 
 fn combined() -> (Inputs, Vec<Known>) {
-    let table: Combined = serde_json::from_str(COMBINED).expect("the table parses");
+    let table = combined_table();
     let known = |path: &CombinedPath| Known {
         name: path.name.clone(),
         poses: path.dx_m.iter().zip(&path.phi_rad).map(|(s, phi)| [s / table.dt0_m, 0.0, phi / table.phi_unit_rad]).collect(),

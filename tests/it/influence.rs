@@ -11,35 +11,14 @@ use serde::Deserialize;
 
 use crate::support::drive::{CUBE, Drive, FullState, RUBBER};
 use crate::support::led::{Shift, Units, lead, worst};
+use crate::support::tables::{CombinedPath, combined_table, drag_table};
 
-const COMBINED: &str = include_str!("../truth/B6_combined.json");
 const STRAIGHT: &str = include_str!("../truth/straight_paths.json");
 const TURNING: &str = include_str!("../truth/turning_paths.json");
 const PRESSED: &str = include_str!("../truth/pressed_paths.json");
-const DRAG_ON_CUBE: &str = include_str!("../truth/B5_drag_cube.json");
 
 /// Cells, and the most that any answer of any path may be off, of mu P and of T_max, at four sweeps.
 const PROMISES: [(usize, f64); 2] = [(52, 0.06), (112, 0.03)];
-
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct Combined {
-    Qmax_N: f64,
-    Tmax_Nm: f64,
-    dt0_m: f64,
-    phi_unit_rad: f64,
-    paths: Vec<CombinedPath>,
-}
-
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct CombinedPath {
-    name: String,
-    dx_m: Vec<f64>,
-    phi_rad: Vec<f64>,
-    Q_N: Vec<f64>,
-    T_Nm: Vec<f64>,
-}
 
 #[derive(Deserialize)]
 struct Paths {
@@ -55,7 +34,7 @@ struct Known {
 }
 
 fn combined() -> Vec<Known> {
-    let table: Combined = serde_json::from_str(COMBINED).expect("the table parses");
+    let table = combined_table();
     let known = |path: &CombinedPath| Known {
         name: path.name.clone(),
         pose: path.dx_m.iter().zip(&path.phi_rad).map(|(s, phi)| [s / table.dt0_m, 0.0, phi / table.phi_unit_rad]).collect(),
@@ -233,28 +212,10 @@ fn balls_meet_cattaneo_and_lubkin() {
     }
 }
 
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct DragTable {
-    R_m: f64,
-    rows: Vec<DragRow>,
-}
-
-#[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the table's own names")]
-struct DragRow {
-    nu: f64,
-    delta_m: f64,
-    mu: f64,
-    F_N: f64,
-    dt_m: Vec<f64>,
-    Q_N: Vec<f64>,
-}
-
 /// Against finite elements, in newtons: the body's own shear and bending are in the sweeps.
 #[test]
 fn drag_on_the_cube() {
-    let table: DragTable = serde_json::from_str(DRAG_ON_CUBE).expect("the table parses");
+    let table = drag_table();
     for samples in [52, 112] {
         let mut most = 0.0_f64;
         for row in &table.rows {

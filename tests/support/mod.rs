@@ -3,3 +3,4 @@
 pub mod drive;
 pub mod exact;
 pub mod led;
+pub mod tables;
