@@ -217,6 +217,7 @@ const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
         contact::Tier::Paper => wire::Tier::Paper,
         contact::Tier::Bristle => wire::Tier::Bristle,
         contact::Tier::Influence => wire::Tier::Influence,
+        contact::Tier::Green => wire::Tier::Green,
     }
 }
 
@@ -385,7 +386,7 @@ mod tests {
     fn what_this_build_cannot_do_is_named() {
         type Spoil = fn(&mut BakedScene);
         let table: [(Spoil, &str); 9] = [
-            (|s| s.tier = wire::Tier::Influence, "52 or 112 for tier influence"),
+            (|s| s.tier = wire::Tier::Influence, "52 or 112 for tiers influence and green"),
             (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle, influence"),
             (|s| s.coupling = wire::Coupling::Virtual, "model.coupling"),
             (|s| s.samples = 300, "16 to 256"),

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{Invalid, require};
+use crate::green::Green;
 use crate::limits::{MAX_DISTANCE, MAX_PARTS, QUATERNION_TOLERANCE};
 
 /// The elastic material, linear and isotropic.
@@ -160,6 +161,8 @@ pub struct ModelSpec<'a> {
     pub fixed_below: Option<f32>,
     /// Body compliances given by the scene; `None` takes the closed forms and the beam estimate of `theory.md` section 7.
     pub compliance: Option<Compliance>,
+    /// The body's own Green's function, computed by a tool; `None` takes the closed forms. `compliance`, where given, goes before it.
+    pub green: Option<Green<'a>>,
     /// The probe's convex parts, 1 to [`MAX_PARTS`].
     pub probe: &'a [ProbePart],
     /// Mass of the probe \[kg\].
@@ -171,7 +174,7 @@ pub struct ModelSpec<'a> {
 impl<'a> ModelSpec<'a> {
     /// Spec with the defaults of the scene file: 1 kg, shape's own fixed height, computed compliances, l = 0.1 m.
     pub const fn new(object: ObjectShape, material: Material, probe: &'a [ProbePart]) -> Self {
-        Self { object, material, fixed_below: None, compliance: None, probe, mass: 1.0, paper_length: 0.1 }
+        Self { object, material, fixed_below: None, compliance: None, green: None, probe, mass: 1.0, paper_length: 0.1 }
     }
 }
 
@@ -182,6 +185,7 @@ pub struct Model<'a> {
     pub(crate) material: Material,
     pub(crate) fixed_below: f32,
     pub(crate) compliance: Option<Compliance>,
+    pub(crate) green: Option<Green<'a>>,
     pub(crate) probe: &'a [ProbePart],
     pub(crate) mass: f32,
     pub(crate) paper_length: f32,
@@ -210,6 +214,7 @@ impl<'a> Model<'a> {
             material: spec.material,
             fixed_below,
             compliance: spec.compliance,
+            green: spec.green,
             probe: spec.probe,
             mass: spec.mass,
             paper_length: spec.paper_length,
@@ -224,6 +229,11 @@ impl<'a> Model<'a> {
     /// The elastic material.
     pub fn material(&self) -> Material {
         self.material
+    }
+
+    /// The body's own Green's function, where a tool has computed it.
+    pub fn green(&self) -> Option<&Green<'a>> {
+        self.green.as_ref()
     }
 
     /// The probe's parts.

@@ -17,6 +17,8 @@ pub enum Tier {
     Bristle,
     /// Cells that move the whole elastic surface, with Coulomb's cap at each.
     Influence,
+    /// As `influence`, on a body whose Green's function was computed by finite elements.
+    Green,
 }
 
 impl Tier {
@@ -27,6 +29,7 @@ impl Tier {
             Self::Paper => "paper",
             Self::Bristle => "bristle",
             Self::Influence => "influence",
+            Self::Green => "green",
         }
     }
 }
@@ -79,9 +82,9 @@ pub struct ParamsSpec {
     pub max_regions: usize,
     /// Fidelity.
     pub tier: Tier,
-    /// Samples per region for `paper` and `bristle`; cells of a fresh contact for `influence`, 52 or 112.
+    /// Samples per region for `paper` and `bristle`; cells of a fresh contact for `influence` and `green`, 52 or 112.
     pub samples: usize,
-    /// Gauss-Seidel sweeps per tick of tier `influence`, 1 to [`MAX_SWEEPS`].
+    /// Gauss-Seidel sweeps per tick of tiers `influence` and `green`, 1 to [`MAX_SWEEPS`].
     pub sweeps: usize,
     /// Stick to slip when static friction is above dynamic.
     pub breakaway: Breakaway,
@@ -148,8 +151,8 @@ impl Params {
         let most = if spec.tier == Tier::Bristle { MAX_BRISTLES } else { MAX_SAMPLES };
         require(spec.samples <= most, "model.samples", samples, "16 to 256 for tier bristle, 16 to 1024 for tier paper")?;
         let cells = [influence::Layout::COARSE.cells, influence::Layout::FINE.cells];
-        let known = spec.tier != Tier::Influence || cells.contains(&spec.samples);
-        require(known, "model.samples", samples, "52 or 112 for tier influence")?;
+        let known = !matches!(spec.tier, Tier::Influence | Tier::Green) || cells.contains(&spec.samples);
+        require(known, "model.samples", samples, "52 or 112 for tiers influence and green")?;
         require((1..=MAX_SWEEPS).contains(&spec.sweeps), "model.sweeps", spec.sweeps as f32, "1 to 32")?;
         check_law(&spec.force_law)?;
         spec.guard.check()?;

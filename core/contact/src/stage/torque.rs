@@ -33,7 +33,7 @@ pub fn hold(
             Flags::CLEAN
         }
         Tier::Bristle => hold_bristles(model, params, patches, stored.force, per_slot, changed),
-        Tier::Influence => hold_cells(model, params, patches, stored, per_slot, changed),
+        Tier::Influence | Tier::Green => hold_cells(model, params, patches, stored, per_slot, changed),
     }
 }
 

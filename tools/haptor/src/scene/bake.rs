@@ -112,6 +112,7 @@ fn tier(tier: Tier) -> wire::Tier {
         Tier::Paper => wire::Tier::Paper,
         Tier::Bristle => wire::Tier::Bristle,
         Tier::Influence => wire::Tier::Influence,
+        Tier::Green => wire::Tier::Green,
     }
 }
 

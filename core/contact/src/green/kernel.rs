@@ -1,0 +1,180 @@
+//! What a load on one small disc of the surface moves elsewhere: the half space's closed forms, faded out towards the held base.
+//!
+//! This is the part of the Green's function that needs no table. The table holds what the body adds to exactly these formulas, and patches feel each
+//! other through them in every tier (theory.md, section 10).
+
+use glam::Vec3;
+
+use crate::math::{PI, max, root};
+use crate::model::{Model, ObjectShape};
+use crate::surface::local::{disc, disc_across, turned_disc};
+
+/// A force on the object and a torque about the disc's normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Force on the object, in world \[N\].
+    pub force: Vec3,
+    /// Torque on the object about the outward normal \[N m\].
+    pub torque: f32,
+}
+
+/// Displacement of a place and turn about its normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Move {
+    /// Displacement, in world \[m\].
+    pub shift: Vec3,
+    /// Turn about the place's own outward normal \[rad\].
+    pub turn: f32,
+}
+
+impl core::ops::Add for Move {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { shift: self.shift + other.shift, turn: self.turn + other.turn }
+    }
+}
+
+/// A loaded disc.
+#[derive(Clone, Copy, Debug)]
+pub struct Disc {
+    centre: Vec3,
+    normal: Vec3,
+    radius: f32,
+    /// Curvature of the object under the disc \[1/m\].
+    curvature: f32,
+    base: f32,
+    height: f32,
+    poisson: f32,
+    /// Shift per force along the normal, 1/(2 E* a) \[m/N\].
+    pressed: f32,
+    /// Shift per force along the surface, (2 - nu)/(8 G a) \[m/N\].
+    dragged: f32,
+    /// Turn per torque, 3/(16 G a^3) \[rad/(N m)\].
+    turned: f32,
+    /// 1/(4 pi G) \[m^2/N\].
+    unit: f32,
+}
+
+impl Disc {
+    /// A disc of `radius` about the rest place `p_wc` with the outward `normal`, on an object whose mean radius of curvature there is `object_radius`.
+    pub fn new(model: &Model<'_>, p_wc: Vec3, normal: Vec3, radius: f32, object_radius: f32) -> Self {
+        let (g, nu) = (model.material.shear_modulus(), model.material.poisson_ratio);
+        let base = if model.object == ObjectShape::HalfSpace { f32::NEG_INFINITY } else { model.fixed_below };
+        Self {
+            centre: p_wc,
+            normal,
+            radius,
+            curvature: 1.0 / object_radius,
+            base,
+            height: max(p_wc.z - base, radius),
+            poisson: nu,
+            pressed: 0.5 / (model.material.contact_modulus() * radius),
+            dragged: (2.0 - nu) / (8.0 * g * radius),
+            turned: 3.0 / (16.0 * g * radius * radius * radius),
+            unit: 1.0 / (4.0 * PI * g),
+        }
+    }
+
+    /// Displacement of the rest point `p_w` under `load`, in world \[m\].
+    pub fn displacement(&self, load: &Load, p_w: Vec3) -> Vec3 {
+        self.local(load, p_w) * self.fade(p_w.z)
+    }
+
+    /// Displacement of the rest place `p_w` and turn about the outward normal `n` there: half the curl along n, by differences.
+    pub fn at(&self, load: &Load, p_w: Vec3, n: Vec3) -> Move {
+        let shift = self.displacement(load, p_w);
+        let step = STEP * max(root((p_w - self.centre).length_squared()), self.radius);
+        let e1 = crate::math::perpendicular(n);
+        let e2 = n.cross(e1);
+        let across = |e: Vec3| (self.displacement(load, p_w + e * step) - self.displacement(load, p_w - e * step)) * (0.5 / step);
+        Move { shift, turn: 0.5 * (across(e1).dot(e2) - across(e2).dot(e1)) }
+    }
+
+    /// 1 at the disc, 0 at the base and level at the disc.
+    fn fade(&self, z: f32) -> f32 {
+        let above = z - self.base;
+        if above <= 0.0 {
+            return 0.0;
+        }
+        let share = if above < self.height { above / self.height } else { 1.0 };
+        1.0 - (1.0 - share) * (1.0 - share)
+    }
+
+    fn local(&self, load: &Load, p_w: Vec3) -> Vec3 {
+        let offset = p_w - self.centre;
+        let below = -offset.dot(self.normal);
+        let level = offset + self.normal * below;
+        let r2 = level.length_squared();
+        // a convex body falls away without being deep
+        let z = max(below - 0.5 * r2 * self.curvature, 0.0);
+        let distance = root(r2 + z * z);
+        let q = distance / self.radius;
+        let e = level / max(distance, f32::MIN_POSITIVE);
+        let into = -load.force.dot(self.normal);
+        let along = load.force + self.normal * into;
+        self.pressed(into, q, e, z, distance)
+            + self.dragged(along, q, e, distance)
+            + self.normal.cross(level) * (load.torque * self.turned * turned_disc(q))
+    }
+
+    /// Boussinesq's field of a flat disc: into the object, and outwards along `e`.
+    fn pressed(&self, into: f32, q: f32, e: Vec3, z: f32, distance: f32) -> Vec3 {
+        let smooth2 = distance * distance + self.radius * self.radius;
+        let inwards = self.pressed * disc(q) * (1.0 + z * z / (2.0 * (1.0 - self.poisson) * smooth2));
+        let outwards = z / (smooth2 * root(smooth2)) * distance - (1.0 - 2.0 * self.poisson) * self.enclosed(q, z, distance);
+        (self.normal * -inwards + e * (self.unit * outwards)) * into
+    }
+
+    /// Share of a flat disc's force inside the distance, over the distance: what a force draws along the surface where nu < 1/2.
+    fn enclosed(&self, q: f32, z: f32, distance: f32) -> f32 {
+        let share = if q < 1.0 { q * q / (1.0 + root(1.0 - q * q)) } else { 1.0 };
+        share / max(distance + z, f32::MIN_POSITIVE)
+    }
+
+    /// Cerruti's field of a flat disc; where nu < 1/2 it sinks ahead of the force and rises behind.
+    fn dragged(&self, along: Vec3, q: f32, e: Vec3, distance: f32) -> Vec3 {
+        let (straight, across) = (disc(q), self.poisson / (2.0 - self.poisson) * disc_across(q));
+        let ahead = e.dot(along);
+        let sinks = self.unit * (1.0 - 2.0 * self.poisson) * ahead * self.enclosed(q, 0.0, distance);
+        (along * (straight - across) + e * (2.0 * across * ahead)) * self.dragged - self.normal * sinks
+    }
+}
+
+/// Distance of the differences that give a turn, over the distance from the disc: f32 keeps four digits.
+const STEP: f32 = 0.02;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Material, ModelSpec, ProbePart, ProbeShape};
+
+    fn on_half_space(nu: f32, check: impl Fn(&Disc, f32)) {
+        let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+        let model = Model::new(&ModelSpec::new(ObjectShape::HalfSpace, material, &ball)).unwrap();
+        check(&Disc::new(&model, Vec3::ZERO, Vec3::Z, 0.004, f32::INFINITY), material.shear_modulus());
+    }
+
+    #[test]
+    fn far_away_the_fields_are_boussinesq_s_and_cerruti_s() {
+        for nu in [0.0, 0.3, 0.5] {
+            on_half_space(nu, |disc, g| {
+                let (r, p) = (0.08, Vec3::new(0.08, 0.0, 0.0));
+                let near = |found: f32, exact: f32| assert!((found - exact).abs() < 2.0e-3 / (g * r), "nu {nu}: {found} {exact}");
+                let unit = 1.0 / (4.0 * PI * g * r);
+                let pressed = disc.displacement(&Load { force: -Vec3::Z, torque: 0.0 }, p);
+                near(pressed.z, -2.0 * (1.0 - nu) * unit);
+                near(pressed.x, -(1.0 - 2.0 * nu) * unit);
+                let ahead = disc.displacement(&Load { force: Vec3::X, torque: 0.0 }, p);
+                near(ahead.x, 2.0 * unit);
+                near(ahead.z, -(1.0 - 2.0 * nu) * unit);
+                let beside = disc.displacement(&Load { force: Vec3::Y, torque: 0.0 }, p);
+                near(beside.y, 2.0 * (1.0 - nu) * unit);
+                let around = disc.at(&Load { force: Vec3::ZERO, torque: 1.0 }, p, Vec3::Z);
+                assert!((around.shift.y * 4.0 * PI * g * r * r - 1.0).abs() < 0.01, "{around:?}");
+                // rigid turn of a vortex outside its core is minus half of what decays: curl of 1/r^2 around
+                assert!((around.turn * 8.0 * PI * g * r * r * r + 1.0).abs() < 0.02, "{around:?}");
+            });
+        }
+    }
+}
