@@ -10,6 +10,7 @@
 mod command;
 mod doctor;
 mod failure;
+mod motion;
 mod output;
 mod plot;
 mod programs;

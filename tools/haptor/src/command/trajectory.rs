@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::failure::Outcome;
+use crate::motion::{self, CLEARANCE, Move, minimum_jerk};
 use crate::output::{Output, unwritten};
 use crate::scene::{self, Scene};
 use crate::trajectory::HEADER;
@@ -19,6 +20,7 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 enum Motion {
     PressTwistSlide(PressTwistSlide),
+    Moves(Moves),
 }
 
 /// Press onto the middle of the object's top, twist about z, slide along x, lift.
@@ -49,8 +51,28 @@ struct PressTwistSlide {
     output: Option<PathBuf>,
 }
 
-/// Height above first touch where the motion starts and ends \[m\].
-const CLEARANCE: f64 = 0.001;
+/// One move after the other, each from rest to rest (minimum jerk) to the value given: press=M below first touch, twist=RAD about z
+/// through the mass centre, slide=M or slide=M,M along x and y, hold, lift; each with @SECONDS (0.2 when not given).
+///
+/// The probe starts 1 mm above first touch; first touch is found where the probe's own parts meet the object.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: haptor trajectory moves --scene tests/scenes/mallet.toml press=0.001 twist=0.3 twist=-0.3@0.4 lift"
+)]
+struct Moves {
+    /// Scene file whose probe and object give the height of first touch; cube-twist when not given
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// Rows per second [Hz]
+    #[arg(long, default_value_t = 1000.0, value_parser = rate)]
+    rate: f64,
+    /// Trajectory file; standard output when not given
+    #[arg(short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The moves, NAME[=VALUE][@SECONDS]
+    #[arg(required = true, value_name = "MOVE")]
+    moves: Vec<Move>,
+}
 
 /// Length of each move \[s\]: press, twist, slide, lift; a hand's pace.
 const MOVES: [f64; 4] = [0.4, 0.8, 0.8, 0.4];
@@ -63,11 +85,33 @@ const MAX_RATE: f64 = 1.0e6;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    let Motion::PressTwistSlide(motion) = &args.motion;
-    let scene = scene::load_or_default(motion.scene.as_deref())?;
-    let mut output = Output::create(motion.output.as_deref())?;
-    write(motion, &scene, &mut output).map_err(|error| unwritten(&error))?;
+    let (scene, file) = match &args.motion {
+        Motion::PressTwistSlide(motion) => (&motion.scene, &motion.output),
+        Motion::Moves(motion) => (&motion.scene, &motion.output),
+    };
+    let scene = scene::load_or_default(scene.as_deref())?;
+    let mut output = Output::create(file.as_deref())?;
+    let written = match &args.motion {
+        Motion::PressTwistSlide(motion) => write(motion, &scene, &mut output),
+        Motion::Moves(motion) => write_moves(motion, &scene, &mut output),
+    };
+    written.map_err(|error| unwritten(&error))?;
     output.finish()
+}
+
+fn write_moves(motion: &Moves, scene: &Scene, out: &mut impl Write) -> std::io::Result<()> {
+    writeln!(out, "{}", HEADER.join(","))?;
+    let touch = f64::from(motion::first_touch(&scene.object.shape, &scene.probe.parts, scene.touch_height()));
+    let ticks = (motion::seconds(&motion.moves) * motion.rate).round() as u64;
+    for tick in 0..=ticks {
+        let t = tick as f64 / motion.rate;
+        let place = motion::place(&motion.moves, t);
+        // f32 is what the core reads: shorter text, the same pose
+        let ([x, y], z) = (place.shift.map(|shift| shift as f32), (touch - place.depth) as f32);
+        let (qw, qz) = ((place.angle / 2.0).cos() as f32, (place.angle / 2.0).sin() as f32);
+        writeln!(out, "{t},{x},{y},{z},{qw},0,0,{qz}")?;
+    }
+    Ok(())
 }
 
 fn write(motion: &PressTwistSlide, scene: &Scene, out: &mut impl Write) -> std::io::Result<()> {
@@ -97,12 +141,6 @@ fn place(motion: &PressTwistSlide, t: f64) -> (f64, f64, f64) {
     let [press, twist, slide, lift] = done;
     let travel = CLEARANCE + motion.depth;
     (motion.slide * slide, CLEARANCE - travel * press + travel * lift, motion.angle * twist)
-}
-
-/// Share of a move done after the share s of its time: rest to rest with the least jerk (Flash and Hogan 1985).
-fn minimum_jerk(s: f64) -> f64 {
-    let s = s.clamp(0.0, 1.0);
-    s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }
 
 fn finite(text: &str) -> Result<f64, String> {
