@@ -271,8 +271,8 @@ fn two_legs_are_the_sum_of_their_legs() {
         for step in 1..=40 {
             let (pair, single) = (both.turn(Vec3::Z, 4.0e-3, 4), one.turn(Vec3::Z, 4.0e-3, 4));
             let share = pair.torque.z / (2.0 * single.torque.z);
-            // a leg presses a surface that the other has lowered by up to 7 % of the depth
-            assert!((0.85..=1.01).contains(&share), "{choice:?} step {step}: {share} of two single legs");
+            // a leg presses a surface that the other has lowered by up to 7 % of the depth; legs that pull opposite ways hold each other's ground
+            assert!((0.85..=1.02).contains(&share), "{choice:?} step {step}: {share} of two single legs");
             assert!(pair.force.x.abs() + pair.force.y.abs() < 1e-3 * single.force.length(), "{choice:?}: {pair:?}");
         }
         let full = 0.75 * both.load() * 0.02;

@@ -134,7 +134,7 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
             "tier = \"exact\"",
             &["s.toml:22:", "model.tier = \"exact\"", "point, paper, bristle or influence"],
         ),
-        ("tier = \"bristle\"", "tier = \"influence\"", &["model.samples = 64", "52 or 112 for tier influence"]),
+        ("tier = \"bristle\"", "tier = \"influence\"", &["model.samples = 64", "52 or 112 for tiers influence and green"]),
         ("tier = \"bristle\"", "tier = \"green\"", &["s.toml:22:", "not available in this version"]),
         ("samples = 64", "samples = 15", &["s.toml:23:", "model.samples = 15", "16 to"]),
         ("samples = 64", "samples = 1000000000000000000000", &["s.toml:23:", "model.samples"]),

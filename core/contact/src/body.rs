@@ -6,8 +6,11 @@
 
 use glam::Vec3;
 
-use crate::math::{PI, clamp, ln, max, min, root};
+use crate::green::kernel::Load;
+use crate::green::{Block, Green};
+use crate::math::{PI, clamp, ln, max, min, perpendicular, root};
 use crate::model::{Compliance, Model, ObjectShape};
+use crate::patch::Patch;
 
 /// Section and length of the beam from the contact to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +28,9 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32) -> Compliance 
     if let Some(given) = model.compliance {
         return given;
     }
+    if let Some(green) = &model.green {
+        return by_table(green, p_wc, n);
+    }
     let g = model.material.shear_modulus();
     let nu = model.material.poisson_ratio;
     let height = max(p_wc.z - model.fixed_below, 0.0);
@@ -40,11 +46,41 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32) -> Compliance 
     }
 }
 
+/// What patches share at a patch with centre `p_wc` and outward normal `n`: drag compliance, and turn about the body's vertical axis per torque about it.
+pub fn common(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> (f32, f32) {
+    let far = match model.object {
+        ObjectShape::HalfSpace => return (0.0, 0.0),
+        ObjectShape::Box { size } => root(size.x * size.y),
+        ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => 2.0 * radius,
+        ObjectShape::Ellipsoid { semi_axes } => 2.0 * root(semi_axes.x * semi_axes.y),
+    };
+    let drag = compliance(model, p_wc, n, SPACING * far).drag;
+    (drag, if n.z >= LEVEL { compliance(model, p_wc, n, 0.0).twist } else { compliance(model, p_wc, Vec3::Z, 0.0).twist })
+}
+
+/// Distance at which the drag compliance that patches share is taken, as a share of the body's width: a patch of this radius has its traction that far apart.
+const SPACING: f32 = 0.2;
+
+/// What the body's table says of the patch itself, at the patch's radius.
+pub fn own(green: &Green<'_>, patch: &Patch) -> Block {
+    green.own(patch.at_rest())
+}
+
+/// The mean over the directions along the surface of what the table says.
+fn by_table(green: &Green<'_>, p_wc: Vec3, n: Vec3) -> Compliance {
+    let own = green.own(p_wc);
+    let along = |v: Vec3| own.times(&Load { force: v, torque: 0.0 }).shift.dot(v);
+    let e1 = perpendicular(n);
+    let e2 = n.cross(e1);
+    let twist = own.times(&Load { force: Vec3::ZERO, torque: 1.0 }).turn;
+    Compliance { normal: max(along(n), 0.0), drag: max(0.5 * (along(e1) + along(e2)), 0.0), twist: max(twist, 0.0) }
+}
+
 /// Compliance along the normal only: none on top, where the cube's tables show that the finite body hardly matters.
 pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
     match model.compliance {
         Some(given) => given.normal,
-        None if n.z >= LEVEL => 0.0,
+        None if n.z >= LEVEL && model.green.is_none() => 0.0,
         None => compliance(model, p_wc, n, 0.0).normal,
     }
 }

@@ -26,6 +26,13 @@ impl Shift {
     }
 }
 
+impl core::ops::Sub for Shift {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { drag: self.drag - other.drag, twist: self.twist - other.twist }
+    }
+}
+
 impl core::ops::Add for Shift {
     type Output = Self;
     fn add(self, other: Self) -> Self {
@@ -87,8 +94,8 @@ pub struct Patch {
     pub total: Shift,
     /// Shift that contact and body have not yet taken up: what the last tick's few passes left.
     pub pending: Shift,
-    /// Drag of the body under this patch by the others, as of the last tick, in c \[m\].
-    pub ridden: Vec2,
+    /// Motion of the ground under this patch by all grips, as of the last tick.
+    pub ground: Shift,
     /// Motion of this tick.
     pub motion: Motion,
     /// Present grip.
@@ -124,7 +131,7 @@ impl Patch {
             body: Compliance::default(),
             total: Shift::default(),
             pending: Shift::default(),
-            ridden: Vec2::ZERO,
+            ground: Shift::default(),
             motion: Motion::default(),
             grip: Grip { stick: 1.0, ..Grip::default() },
             point: PointMemory::default(),
@@ -144,7 +151,7 @@ impl Patch {
     /// Lets go of everything that friction held.
     pub fn forget_friction(&mut self) {
         self.forget_history();
-        (self.grip, self.ridden) = (Grip::default(), Vec2::ZERO);
+        (self.grip, self.ground) = (Grip::default(), Shift::default());
     }
 
     /// Second tangent of c.

@@ -4,6 +4,7 @@ use glam::Vec3;
 use heapless::Vec;
 
 use crate::footprint::Seat;
+use crate::stage::ground::Ground;
 
 /// A part that overlaps the object. Filled by stage 1.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +25,14 @@ pub struct Contact {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<const CONTACTS: usize> {
     pub(crate) contacts: Vec<Contact, CONTACTS>,
+    /// Grounds of the patches, where patches move each other. Filled by stage 4.
+    pub(crate) grounds: Vec<Ground, CONTACTS>,
 }
 
 impl<const CONTACTS: usize> Scratch<CONTACTS> {
     /// An empty workspace.
     pub const fn new() -> Self {
-        Self { contacts: Vec::new() }
+        Self { contacts: Vec::new(), grounds: Vec::new() }
     }
 
     /// Forgets the previous tick. In debug builds the old contacts are overwritten with NaN first, so that a stage that read
@@ -42,5 +45,6 @@ impl<const CONTACTS: usize> Scratch<CONTACTS> {
             }
         }
         self.contacts.clear();
+        self.grounds.clear();
     }
 }

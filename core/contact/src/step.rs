@@ -66,7 +66,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     // 4 torque
     let changed = take_up_params(params, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
-    flags |= torque::hold(model, params, patches, stored, SAMPLES, &now, changed);
+    flags |= torque::hold(model, params, patches, &mut scratch.grounds, stored, SAMPLES, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
     flags |= drop_what_is_not_finite(memory, patches);

@@ -37,6 +37,11 @@ pub struct Cell {
     pub weight: [f32; CELL],
 }
 
+impl Cell {
+    /// No nodes.
+    pub const NONE: Self = Self { place: [0; CELL], weight: [0.0; CELL] };
+}
+
 impl Chart {
     /// Nodes of the whole chart: 6 n^2 - 12 n + 8.
     pub const fn places(&self) -> usize {

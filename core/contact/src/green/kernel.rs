@@ -77,17 +77,19 @@ impl Disc {
 
     /// Displacement of the rest point `p_w` under `load`, in world \[m\].
     pub fn displacement(&self, load: &Load, p_w: Vec3) -> Vec3 {
-        self.local(load, p_w) * self.fade(p_w.z)
+        self.local(load, p_w, 0.0) * self.fade(p_w.z)
     }
 
-    /// Displacement of the rest place `p_w` and turn about the outward normal `n` there: half the curl along n, by differences.
-    pub fn at(&self, load: &Load, p_w: Vec3, n: Vec3) -> Move {
-        let shift = self.displacement(load, p_w);
-        let step = STEP * max(root((p_w - self.centre).length_squared()), self.radius);
-        let e1 = crate::math::perpendicular(n);
-        let e2 = n.cross(e1);
-        let across = |e: Vec3| (self.displacement(load, p_w + e * step) - self.displacement(load, p_w - e * step)) * (0.5 / step);
-        Move { shift, turn: 0.5 * (across(e1).dot(e2) - across(e2).dot(e1)) }
+    /// Displacement of the rest place `p_w`, and turn about the outward normal `n` there: that of Cerruti's and of the point torque's field, which
+    /// grows no further inside the disc. Nearer than `least` \[m\] both are as at that distance: two discs that overlap would otherwise move each
+    /// other as much as themselves, and how they share a load would be open.
+    pub fn at(&self, load: &Load, p_w: Vec3, n: Vec3, least: f32) -> Move {
+        let offset = p_w - self.centre;
+        let r = max(root(offset.length_squared()), max(self.radius, least));
+        let swirl = load.force.cross(offset).dot(n) - 0.5 * load.torque * self.normal.dot(n);
+        let turn = self.unit * swirl / (r * r * r);
+        let fade = self.fade(p_w.z);
+        Move { shift: self.local(load, p_w, least) * fade, turn: turn * fade }
     }
 
     /// 1 at the disc, 0 at the base and level at the disc.
@@ -100,14 +102,14 @@ impl Disc {
         1.0 - (1.0 - share) * (1.0 - share)
     }
 
-    fn local(&self, load: &Load, p_w: Vec3) -> Vec3 {
+    fn local(&self, load: &Load, p_w: Vec3, least: f32) -> Vec3 {
         let offset = p_w - self.centre;
         let below = -offset.dot(self.normal);
         let level = offset + self.normal * below;
         let r2 = level.length_squared();
         // a convex body falls away without being deep
         let z = max(below - 0.5 * r2 * self.curvature, 0.0);
-        let distance = root(r2 + z * z);
+        let distance = max(root(r2 + z * z), least);
         let q = distance / self.radius;
         let e = level / max(distance, f32::MIN_POSITIVE);
         let into = -load.force.dot(self.normal);
@@ -140,9 +142,6 @@ impl Disc {
     }
 }
 
-/// Distance of the differences that give a turn, over the distance from the disc: f32 keeps four digits.
-const STEP: f32 = 0.02;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,8 +169,10 @@ mod tests {
                 near(ahead.z, -(1.0 - 2.0 * nu) * unit);
                 let beside = disc.displacement(&Load { force: Vec3::Y, torque: 0.0 }, p);
                 near(beside.y, 2.0 * (1.0 - nu) * unit);
-                let around = disc.at(&Load { force: Vec3::ZERO, torque: 1.0 }, p, Vec3::Z);
+                let around = disc.at(&Load { force: Vec3::ZERO, torque: 1.0 }, p, Vec3::Z, 0.0);
                 assert!((around.shift.y * 4.0 * PI * g * r * r - 1.0).abs() < 0.01, "{around:?}");
+                let beside = disc.at(&Load { force: Vec3::X, torque: 0.0 }, Vec3::new(0.0, r, 0.0), Vec3::Z, 0.0);
+                assert!((beside.turn * 4.0 * PI * g * r * r - 1.0).abs() < 0.01, "{beside:?}");
                 // rigid turn of a vortex outside its core is minus half of what decays: curl of 1/r^2 around
                 assert!((around.turn * 8.0 * PI * g * r * r * r + 1.0).abs() < 0.02, "{around:?}");
             });

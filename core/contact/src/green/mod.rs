@@ -22,6 +22,19 @@ pub const COMPONENTS: usize = 4;
 /// Numbers of the move at one place per load at one place.
 pub const BLOCK: usize = COMPONENTS * COMPONENTS;
 
+/// Moves per loads, row by row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block(pub [f32; BLOCK]);
+
+impl Block {
+    /// The move under a load.
+    pub fn times(&self, load: &Load) -> Move {
+        let row = |[x, y, z, t]: [f32; COMPONENTS]| x * load.force.x + y * load.force.y + z * load.force.z + t * load.torque;
+        let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = self.0;
+        Move { shift: Vec3::new(row([a, b, c, d]), row([e, f, g, h]), row([i, j, k, l])), turn: row([m, n, o, p]) }
+    }
+}
+
 /// A body's table, borrowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Green<'a> {
@@ -77,14 +90,14 @@ impl<'a> Green<'a> {
     }
 
     /// Move of the loaded disc at the surface place `p_w` itself, row by row.
-    pub fn own(&self, p_w: Vec3) -> [f32; BLOCK] {
+    pub fn own(&self, p_w: Vec3) -> Block {
         let cell = self.chart.cell(p_w);
         let mut sum = [0.0; BLOCK];
         for (place, weight) in cell.place.into_iter().zip(cell.weight) {
             let block = self.own.get(BLOCK * place..BLOCK * (place + 1)).unwrap_or(&[]);
             sum.iter_mut().zip(block).for_each(|(sum, value)| *sum += weight * value);
         }
-        sum
+        Block(sum)
     }
 
     /// What the table adds at the nodes of `at` when the nodes of `loaded` share `load` by their weights.

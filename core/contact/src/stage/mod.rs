@@ -3,6 +3,7 @@
 pub mod deform;
 pub mod detect;
 pub mod force;
+pub mod ground;
 pub mod regions;
 pub mod torque;
 pub mod wrench;

@@ -1,12 +1,13 @@
 //! Stage 4: tangential force and torsion of every patch, by the tier.
 
-use glam::Vec3;
+use heapless::VecView;
 
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::model::Model;
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::report::Flags;
+use crate::stage::ground::{self, Ground};
 use crate::tier::bristle::{self, AROUND, Bristle, Layout};
 use crate::tier::influence::{self, Stored};
 use crate::tier::{Hold, paper, point};
@@ -17,6 +18,7 @@ pub fn hold(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
+    grounds: &mut VecView<Ground>,
     stored: Stored<'_>,
     per_slot: usize,
     x_wp: &Pose<World, ProbeFrame>,
@@ -29,11 +31,11 @@ pub fn hold(
     match params.tier {
         Tier::Paper => paper::hold(model, params, patches, x_wp),
         Tier::Point => {
-            each(model, params, patches, changed, point::advance);
+            each(model, params, patches, grounds, changed, point::advance);
             Flags::CLEAN
         }
-        Tier::Bristle => hold_bristles(model, params, patches, stored.force, per_slot, changed),
-        Tier::Influence | Tier::Green => hold_cells(model, params, patches, stored, per_slot, changed),
+        Tier::Bristle => hold_bristles(model, params, patches, grounds, stored.force, per_slot, changed),
+        Tier::Influence | Tier::Green => hold_cells(model, params, patches, grounds, stored, per_slot, changed),
     }
 }
 
@@ -42,12 +44,13 @@ fn hold_bristles(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
+    grounds: &mut VecView<Ground>,
     bristles: &mut [Bristle],
     per_slot: usize,
     changed: bool,
 ) -> Flags {
     let (layout, flags) = fitting(&params.layout, per_slot);
-    each(model, params, patches, changed, |hold, patch| {
+    each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * per_slot;
         if let Some(cells) = bristles.get_mut(start..start + per_slot) {
             bristle::advance(hold, &layout, patch, cells);
@@ -61,15 +64,16 @@ fn hold_cells(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
+    grounds: &mut VecView<Ground>,
     stored: Stored<'_>,
     per_slot: usize,
     changed: bool,
 ) -> Flags {
     let Stored { force, trace } = stored;
     let Some(layout) = influence::Layout::fitting(params.samples, per_slot) else {
-        return hold_bristles(model, params, patches, force, per_slot, changed) | Flags::TIER_LOWERED;
+        return hold_bristles(model, params, patches, grounds, force, per_slot, changed) | Flags::TIER_LOWERED;
     };
-    each(model, params, patches, changed, |hold, patch| {
+    each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * per_slot;
         let (forces, traces) = (force.get_mut(start..start + per_slot), trace.get_mut(start..start + per_slot));
         if let (Some(force), Some(trace)) = (forces, traces) {
@@ -79,17 +83,24 @@ fn hold_cells(
     if layout.cells < params.samples { Flags::TIER_LOWERED } else { Flags::CLEAN }
 }
 
-/// Advances every patch that moved, was pressed, or has new parameters.
-fn each(model: &Model<'_>, params: &Params, patches: &mut [Patch], changed: bool, mut advance: impl FnMut(&Hold, &mut Patch)) {
-    // what all patches drag along; each rides on the share of the others (shear and bending of the body are common to all)
-    let mut dragged = patches.iter().fold(Vec3::ZERO, |sum, patch| sum + patch.to_world(patch.grip.force));
-    for patch in patches.iter_mut().filter(|patch| changed || !is_at_rest(patch)) {
-        dragged -= patch.to_world(patch.grip.force);
-        let ridden = patch.to_patch(dragged) * patch.body.drag;
-        let hold = Hold::new(model, params, patch, ridden);
-        patch.ridden = ridden;
-        advance(&hold, patch);
-        dragged += patch.to_world(patch.grip.force);
+/// Advances every patch that moved, was pressed, or has new parameters, oldest first, each on the ground as the latest grips have moved it.
+fn each(
+    model: &Model<'_>,
+    params: &Params,
+    patches: &mut [Patch],
+    grounds: &mut VecView<Ground>,
+    changed: bool,
+    mut advance: impl FnMut(&Hold, &mut Patch),
+) {
+    ground::prepare(model, patches, grounds);
+    for i in 0..patches.len() {
+        let ground = ground::moved(model, grounds, patches, i);
+        let lever = grounds.get(i).map_or(0.0, |ground| ground.lever);
+        if let Some(patch) = patches.get_mut(i).filter(|patch| changed || !is_at_rest(patch)) {
+            let hold = Hold::new(model, params, patch, ground, lever);
+            patch.ground = ground;
+            advance(&hold, patch);
+        }
     }
 }
 

@@ -38,7 +38,7 @@ pub mod slip_table;
 
 use core::ops::Range;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::math::{PI, cbrt, clamp, max, min, root};
 use crate::model::{Model, ObjectShape};
@@ -175,7 +175,7 @@ impl Field {
             let moved = beam.displacement(centre, centre.z - base);
             (beam.tip_tilt(), moved.dot(patch.normal) + patch.body.normal * patch.footprint.load)
         });
-        let hold = Hold::new(model, params, patch, Vec2::ZERO);
+        let hold = Hold::new(model, params, patch, patch.ground, 0.0);
         let is_paper = params.tier == Tier::Paper;
         Self {
             base,

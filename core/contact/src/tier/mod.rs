@@ -5,8 +5,6 @@ pub mod influence;
 pub mod paper;
 pub mod point;
 
-use glam::Vec2;
-
 use crate::math::{clamp, max, min};
 use crate::model::{Compliance, Model};
 use crate::params::Params;
@@ -45,8 +43,8 @@ const CONVEX_LOSS: f32 = 0.735;
 const LARGEST_RATIO: f32 = 0.9;
 
 impl Hold {
-    /// Collects the figures of `patch`; `ridden` is the drag the body has from the other patches \[m\].
-    pub fn new(model: &Model<'_>, params: &Params, patch: &Patch, ridden: Vec2) -> Self {
+    /// Collects the figures of `patch`; the `ground` under it has moved so far, and `lever` is what the patch's arm adds to its drag compliance \[m/N\].
+    pub fn new(model: &Model<'_>, params: &Params, patch: &Patch, ground: Shift, lever: f32) -> Self {
         let g = model.material.shear_modulus();
         let a = patch.footprint.radius;
         let convex = 1.0 - CONVEX_LOSS * min(a / patch.object_radius, LARGEST_RATIO);
@@ -59,11 +57,8 @@ impl Hold {
             mu_s: params.mu_s,
             mu_d: params.mu_d,
             sharp: params.breakaway == crate::params::Breakaway::Sharp,
-            body: patch.body,
-            wanted: Shift {
-                drag: patch.motion.step.drag - (ridden - patch.ridden) + patch.pending.drag,
-                twist: patch.motion.step.twist + patch.pending.twist,
-            },
+            body: Compliance { drag: patch.body.drag + lever, ..patch.body },
+            wanted: patch.motion.step - (ground - patch.ground) + patch.pending,
         }
     }
 }
