@@ -17,6 +17,7 @@ fn every_command_has_help_with_an_example() {
         &["view"],
         &["trajectory"],
         &["trajectory", "press-twist-slide"],
+        &["trajectory", "moves"],
         &["mesh"],
         &["mesh", "info"],
         &["mesh", "check"],

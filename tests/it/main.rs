@@ -24,6 +24,7 @@ mod no_alloc;
 mod no_alloc_host;
 mod profiles;
 mod scene_errors;
+mod scenes;
 mod session;
 #[path = "../support/mod.rs"]
 mod support;

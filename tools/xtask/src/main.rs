@@ -4,9 +4,12 @@
 mod ci;
 mod demo;
 mod docs;
+mod golden;
 mod m7;
 mod m7_image;
 mod run;
+#[path = "../../../tests/support/golden.rs"]
+mod scenes;
 
 use std::process::ExitCode;
 
@@ -29,6 +32,13 @@ enum Cli {
     /// Builds the core and the wire for a Cortex-M7 without an operating system and looks for an allocator
     #[command(after_help = "Example: cargo xtask m7")]
     M7,
+    /// Compares the curves of the ready scenes in every tier with those that are kept
+    #[command(after_help = "Example: cargo xtask golden --accept")]
+    Golden {
+        /// Keep the present curves from now on
+        #[arg(long)]
+        accept: bool,
+    },
     /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
     #[command(after_help = "Example: cargo xtask docs --check")]
     Docs {
@@ -43,6 +53,7 @@ fn main() -> ExitCode {
         Cli::Demo { args } => demo::run(&args),
         Cli::Ci => ci::run(),
         Cli::M7 => m7::run(),
+        Cli::Golden { accept } => golden::run(accept),
         Cli::Docs { .. } => docs::check(),
     };
     match done {

@@ -27,6 +27,16 @@ pub fn cargo() -> Command {
     command
 }
 
+/// Builds the host tool and yields its path.
+///
+/// # Errors
+/// When it does not build.
+pub fn tool() -> Result<PathBuf> {
+    let target = target()?;
+    run(cargo().args(["build", "--quiet", "-p", "haptor", "--target-dir"]).arg(&target))?;
+    Ok(target.join("debug/haptor"))
+}
+
 /// Runs a command to its good end.
 ///
 /// # Errors
