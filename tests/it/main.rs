@@ -23,6 +23,7 @@ mod link_faults;
 mod no_alloc;
 mod no_alloc_host;
 mod profiles;
+mod region_limit;
 mod scene_errors;
 mod scenes;
 mod session;

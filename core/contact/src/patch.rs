@@ -82,6 +82,8 @@ pub struct Patch {
     pub tangent: Vec3,
     /// Geometric depth \[m\].
     pub depth: f32,
+    /// Share of its load the patch carries: below 1 only while one region gives way to another at the limit.
+    pub share: f32,
     /// Mean radius of curvature of the object at the patch \[m\].
     pub object_radius: f32,
     /// Radius, load, profile of this tick.
@@ -125,6 +127,7 @@ impl Patch {
             normal,
             tangent: perpendicular(normal),
             depth: 0.0,
+            share: 1.0,
             object_radius: f32::INFINITY,
             footprint: Footprint::NONE,
             previous: Footprint::NONE,

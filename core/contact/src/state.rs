@@ -47,6 +47,8 @@ pub(crate) struct Memory {
     pub refused: u32,
     pub poses_refused: u32,
     pub high_water: u8,
+    /// A region has just given way to one that is not born yet.
+    pub handed_over: bool,
 }
 
 impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
@@ -68,6 +70,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
                 refused: 0,
                 poses_refused: 0,
                 high_water: 0,
+                handed_over: false,
             },
             patches: Vec::new(),
             samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],

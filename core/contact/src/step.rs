@@ -66,12 +66,13 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     // 4 torque
     let changed = take_up_params(params, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
-    flags |= torque::hold(model, params, patches, &mut scratch.grounds, stored, SAMPLES, &now, changed);
+    let work = torque::Workspace { stored, per_slot: SAMPLES, grounds: &mut scratch.grounds };
+    flags |= torque::hold(model, params, patches, work, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
     flags |= drop_what_is_not_finite(memory, patches);
     ramp_if_started_inside(params, memory, patches);
-    remember(params, memory, now, births, flags);
+    remember(params, memory, patches, now, births, flags);
     // 7 guard
     finish(params, memory, patches, memory.contact, input.dt, flags)
 }
@@ -104,9 +105,10 @@ fn ramp_if_started_inside(params: &Params, memory: &mut Memory, patches: &[Patch
 }
 
 /// Keeps the pose, and whether the next tick may rest on this one.
-fn remember(params: &Params, memory: &mut Memory, now: Pose<World, ProbeFrame>, births: u32, flags: Flags) {
+fn remember(params: &Params, memory: &mut Memory, patches: &[Patch], now: Pose<World, ProbeFrame>, births: u32, flags: Flags) {
     let quiet = memory.last_pose == Some(now)
         && memory.next_serial == births
+        && !regions::is_handing_over(patches)
         && !flags.contains(Flags::BIRTH_WAITS)
         && !flags.contains(Flags::NON_FINITE);
     memory.settled_for = if quiet { Some(params.fingerprint) } else { None };

@@ -12,6 +12,7 @@ use crate::patch::Patch;
 use crate::report::Flags;
 use crate::scratch::Contact;
 use crate::stage::deform::dent;
+use crate::stage::ground;
 
 /// Passes over the patches in a tick with a birth: a newborn's neighbours have not felt it yet. Each pass shrinks the coupling's error by the
 /// share a neighbour's dent has of the depth, at most a third for separate patches. Otherwise one pass follows on from the last tick.
@@ -24,7 +25,8 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
     for _ in 0..passes {
         for i in 0..patches.len() {
             let displaced = displaced_by_others(model, patches, i);
-            patches[i].footprint = footprint(model, params, contacts, &patches[i], displaced);
+            let pressed = footprint(model, params, contacts, &patches[i], displaced);
+            patches[i].footprint = Footprint { load: pressed.load * patches[i].share, ..pressed };
         }
     }
     let mut flags = Flags::CLEAN;
@@ -40,9 +42,10 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
 fn displaced_by_others(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
     let here = &patches[i];
     let others = patches.iter().enumerate().filter(|(j, other)| *j != i && other.footprint.load > 0.0);
-    others.fold(0.0, |sum, (_, other)| {
+    let near = others.fold(0.0, |sum, (_, other)| {
         sum + dent(model, other, here.centre) * clip(other.normal.dot(here.normal)) * yielding(here, other)
-    })
+    });
+    near + ground::lowered(model, patches, i)
 }
 
 /// Relative difference of depth over which the ownership of a shared area passes from one patch to the other.

@@ -83,6 +83,18 @@ pub fn moved(model: &Model<'_>, grounds: &[Ground], patches: &[Patch], i: usize)
     Shift { drag: here.to_patch(shift), twist: turn }
 }
 
+/// How far the body's table lowers the place of patch `i` by all that the patches of the last tick did, beyond the dents of a half space and what
+/// the patch's own load is counted for in series \[m\].
+pub fn lowered(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
+    let (Some(green), Some(here)) = (table(model), patches.get(i)) else { return 0.0 };
+    let at = green.chart().cell(here.at_rest());
+    let others = patches.iter().enumerate().filter(|(j, other)| *j != i && other.footprint.load > 0.0);
+    let crossed = others
+        .fold(Vec3::ZERO, |sum, (_, other)| sum + green.respond(&at, &green.chart().cell(other.at_rest()), &whole(other)).shift);
+    let own = body::own(green, here).times(&held(here)).shift;
+    -(crossed + own).dot(here.normal)
+}
+
 /// The other patches that carry load, with their grounds.
 fn others<'a>(grounds: &'a [Ground], patches: &'a [Patch], i: usize) -> impl Iterator<Item = (&'a Ground, &'a Patch)> {
     let all = grounds.iter().zip(patches).enumerate();

@@ -4,14 +4,15 @@
 //! assumes regions form one by one). Patches whose rims are closer than `region_distance` form one region; the group is a
 //! label, each patch keeps its own friction, so that merging and splitting change no force.
 //!
-//! The rule of the eleventh region: the deepest are kept. A newcomer is refused and counted unless it is deeper than the
-//! shallowest region of one patch, which then gives way.
+//! The rule of the eleventh region: the deepest are kept. A newcomer is refused and counted; while it is clearly deeper than the shallowest region,
+//! that region hands its load over tick by tick, is dropped when it carries nothing, and the newcomer takes up its own load as slowly. A region that
+//! splits at the limit keeps one label. So nothing jumps.
 
 use glam::{Quat, Vec3};
 use heapless::VecView;
 
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::math::{atan2, max, min, root};
+use crate::math::{atan2, clamp, max, min, root};
 use crate::params::Params;
 use crate::patch::{Motion, Patch, Shift};
 use crate::report::Flags;
@@ -35,7 +36,8 @@ pub fn track(
     }
     let mut flags = bear(params, memory, contacts, patches);
     group(params.region_distance, patches);
-    flags |= refuse(params.max_regions, memory, patches);
+    flags |= keep_to_limit(params.max_regions, patches);
+    hand_over(params, memory, contacts, patches);
     let regions = count(patches);
     memory.high_water = if regions > memory.high_water { regions } else { memory.high_water };
     flags
@@ -80,6 +82,7 @@ fn bear(params: &Params, memory: &mut Memory, contacts: &[Contact], patches: &mu
     let unborn = |contact: &&Contact| patches.iter().all(|patch| patch.part != contact.part);
     let waiting = contacts.iter().filter(unborn).count();
     let Some(deepest) = contacts.iter().filter(unborn).max_by(|a, b| a.depth.total_cmp(&b.depth)) else {
+        memory.handed_over = false;
         return Flags::CLEAN;
     };
     let flags = if waiting > 1 { Flags::BIRTH_WAITS } else { Flags::CLEAN };
@@ -89,17 +92,19 @@ fn bear(params: &Params, memory: &mut Memory, contacts: &[Contact], patches: &mu
     }
     let mut patch = Patch::born(deepest.part, free_slot(patches), memory.next_serial, deepest.centre, deepest.normal);
     patch.depth = deepest.depth;
+    // a place that another region handed over is taken up as slowly
+    patch.share = if memory.handed_over { 0.0 } else { 1.0 };
+    memory.handed_over = false;
     patch.object_radius = deepest.seat.object_radius();
     memory.next_serial = memory.next_serial.wrapping_add(1);
     let _ = patches.push(patch);
     flags
 }
 
-/// Room for a newcomer: below the region limit, or close to an existing region, or deeper than one that may give way.
+/// Room for a newcomer: below the region limit, or close to an existing region.
 fn has_room(params: &Params, newcomer: &Contact, patches: &[Patch]) -> bool {
     usize::from(count(patches)) < params.max_regions
         || patches.iter().any(|patch| rim_distance(patch, newcomer.centre, 0.0) < params.region_distance)
-        || patches.iter().any(|patch| patch.depth < newcomer.depth)
 }
 
 fn free_slot(patches: &[Patch]) -> u8 {
@@ -161,26 +166,78 @@ pub fn count(patches: &[Patch]) -> u8 {
     patches.iter().map(|patch| patch.region + 1).max().unwrap_or(0)
 }
 
-/// Drops the shallowest regions while there are too many.
-fn refuse(max_regions: usize, memory: &mut Memory, patches: &mut VecView<Patch>) -> Flags {
+/// Gives the two closest regions one label while there are too many: what splits at the limit stays one.
+fn keep_to_limit(max_regions: usize, patches: &mut VecView<Patch>) -> Flags {
     let mut flags = Flags::CLEAN;
-    // every round drops a region, and there are no more regions than patches
+    // every round joins two regions, and there are no more regions than patches
     for _ in 0..patches.len() {
-        let regions = count(patches);
-        if usize::from(regions) <= max_regions {
+        if usize::from(count(patches)) <= max_regions {
             break;
         }
-        drop_region(shallowest(regions, patches), patches);
-        memory.refused = memory.refused.saturating_add(1);
+        let Some((kept, joined)) = closest_regions(patches) else { break };
+        for patch in patches.iter_mut() {
+            let label = if patch.region == joined { kept } else { patch.region };
+            patch.region = label - u8::from(label > joined);
+        }
         flags = Flags::REGION_REFUSED;
     }
     flags
 }
 
+/// Labels of the two regions whose rims are closest, the older first.
+fn closest_regions(patches: &[Patch]) -> Option<(u8, u8)> {
+    let mut closest: Option<(f32, u8, u8)> = None;
+    for (i, a) in patches.iter().enumerate() {
+        for b in patches.iter().skip(i + 1).filter(|b| b.region != a.region) {
+            let distance = rim_distance(a, b.centre, b.footprint.radius);
+            if closest.is_none_or(|(least, ..)| distance < least) {
+                let older_first = if a.region < b.region { (a.region, b.region) } else { (b.region, a.region) };
+                closest = Some((distance, older_first.0, older_first.1));
+            }
+        }
+    }
+    closest.map(|(_, kept, joined)| (kept, joined))
+}
+
 /// The region whose deepest patch is the least deep.
 fn shallowest(regions: u8, patches: &[Patch]) -> u8 {
-    let depth_of = |region: u8| patches.iter().filter(|p| p.region == region).fold(0.0, |deepest, p| max(deepest, p.depth));
-    (0..regions).min_by(|&a, &b| depth_of(a).total_cmp(&depth_of(b))).unwrap_or(0)
+    (0..regions).min_by(|&a, &b| depth_of(a, patches).total_cmp(&depth_of(b, patches))).unwrap_or(0)
+}
+
+/// Depth of a region's deepest patch \[m\].
+fn depth_of(region: u8, patches: &[Patch]) -> f32 {
+    patches.iter().filter(|patch| patch.region == region).fold(0.0, |deepest, patch| max(deepest, patch.depth))
+}
+
+/// Excess of a refused contact's depth over the shallowest region's, as a share, at which that region begins to give way: rows of equal tips do not take turns.
+const CLEARLY_DEEPER: f32 = 0.1;
+
+/// Share of its load that a region gives up or takes up in a tick when one gives way to another.
+const HANDOVER: f32 = 1.0 / 64.0;
+
+/// Hands load over where a refused contact is clearly deeper than the shallowest region; drops that region when it carries nothing.
+fn hand_over(params: &Params, memory: &mut Memory, contacts: &[Contact], patches: &mut VecView<Patch>) {
+    let regions = count(patches);
+    let waiting = usize::from(regions) >= params.max_regions;
+    let unborn = |contact: &&Contact| patches.iter().all(|patch| patch.part != contact.part);
+    let outside =
+        if waiting { contacts.iter().filter(unborn).fold(0.0, |deepest, contact| max(deepest, contact.depth)) } else { 0.0 };
+    let last = shallowest(regions, patches);
+    let gives_way = outside > (1.0 + CLEARLY_DEEPER) * depth_of(last, patches);
+    for patch in patches.iter_mut() {
+        let change = if gives_way && patch.region == last { -HANDOVER } else { HANDOVER };
+        patch.share = clamp(patch.share + change, 0.0, 1.0);
+    }
+    if gives_way && patches.iter().all(|patch| patch.region != last || patch.share <= 0.0) {
+        drop_region(last, patches);
+        memory.handed_over = true;
+        memory.refused = memory.refused.saturating_add(1);
+    }
+}
+
+/// True while some patch carries less than its whole load: the next tick goes on with it.
+pub fn is_handing_over(patches: &[Patch]) -> bool {
+    patches.iter().any(|patch| patch.share < 1.0)
 }
 
 fn drop_region(region: u8, patches: &mut VecView<Patch>) {

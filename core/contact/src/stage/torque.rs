@@ -8,19 +8,27 @@ use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::stage::ground::{self, Ground};
-use crate::tier::bristle::{self, AROUND, Bristle, Layout};
+use crate::tier::bristle::{self, AROUND, Layout};
 use crate::tier::influence::{self, Stored};
 use crate::tier::{Hold, paper, point};
 
-/// Sets the grip of every patch. The samples of a patch are the `per_slot` ones of its slot; `changed` says that the parameters are not those
-/// of the last tick.
+/// Memory that the tangential stage works in, beside the patches.
+#[derive(Debug)]
+pub struct Workspace<'a> {
+    /// Samples of all slots.
+    pub stored: Stored<'a>,
+    /// Samples of a slot; those of a patch are its slot's.
+    pub per_slot: usize,
+    /// Grounds of the patches.
+    pub grounds: &'a mut VecView<Ground>,
+}
+
+/// Sets the grip of every patch. `changed` says that the parameters are not those of the last tick.
 pub fn hold(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
-    grounds: &mut VecView<Ground>,
-    stored: Stored<'_>,
-    per_slot: usize,
+    mut work: Workspace<'_>,
     x_wp: &Pose<World, ProbeFrame>,
     changed: bool,
 ) -> Flags {
@@ -31,28 +39,26 @@ pub fn hold(
     match params.tier {
         Tier::Paper => paper::hold(model, params, patches, x_wp),
         Tier::Point => {
-            each(model, params, patches, grounds, changed, point::advance);
+            each(model, params, patches, work.grounds, changed, point::advance);
             Flags::CLEAN
         }
-        Tier::Bristle => hold_bristles(model, params, patches, grounds, stored.force, per_slot, changed),
-        Tier::Influence | Tier::Green => hold_cells(model, params, patches, grounds, stored, per_slot, changed),
+        Tier::Bristle => hold_bristles(model, params, patches, &mut work, changed),
+        Tier::Influence => hold_cells(model, params, patches, &mut work, changed),
+        Tier::Green => {
+            // without a table the body is the closed forms', as in tier `influence`
+            let lowered = if model.green.is_some() { Flags::CLEAN } else { Flags::TIER_LOWERED };
+            lowered | hold_cells(model, params, patches, &mut work, changed)
+        }
     }
 }
 
 /// Tier `bristle`, with fewer rings where the state has no room for all.
-fn hold_bristles(
-    model: &Model<'_>,
-    params: &Params,
-    patches: &mut [Patch],
-    grounds: &mut VecView<Ground>,
-    bristles: &mut [Bristle],
-    per_slot: usize,
-    changed: bool,
-) -> Flags {
-    let (layout, flags) = fitting(&params.layout, per_slot);
+fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
+    let Workspace { stored, per_slot, grounds } = work;
+    let (layout, flags) = fitting(&params.layout, *per_slot);
     each(model, params, patches, grounds, changed, |hold, patch| {
-        let start = usize::from(patch.slot) * per_slot;
-        if let Some(cells) = bristles.get_mut(start..start + per_slot) {
+        let start = usize::from(patch.slot) * *per_slot;
+        if let Some(cells) = stored.force.get_mut(start..start + *per_slot) {
             bristle::advance(hold, &layout, patch, cells);
         }
     });
@@ -60,22 +66,14 @@ fn hold_bristles(
 }
 
 /// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
-fn hold_cells(
-    model: &Model<'_>,
-    params: &Params,
-    patches: &mut [Patch],
-    grounds: &mut VecView<Ground>,
-    stored: Stored<'_>,
-    per_slot: usize,
-    changed: bool,
-) -> Flags {
-    let Stored { force, trace } = stored;
-    let Some(layout) = influence::Layout::fitting(params.samples, per_slot) else {
-        return hold_bristles(model, params, patches, grounds, force, per_slot, changed) | Flags::TIER_LOWERED;
+fn hold_cells(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
+    let Some(layout) = influence::Layout::fitting(params.samples, work.per_slot) else {
+        return hold_bristles(model, params, patches, work, changed) | Flags::TIER_LOWERED;
     };
+    let Workspace { stored: Stored { force, trace }, per_slot, grounds } = work;
     each(model, params, patches, grounds, changed, |hold, patch| {
-        let start = usize::from(patch.slot) * per_slot;
-        let (forces, traces) = (force.get_mut(start..start + per_slot), trace.get_mut(start..start + per_slot));
+        let start = usize::from(patch.slot) * *per_slot;
+        let (forces, traces) = (force.get_mut(start..start + *per_slot), trace.get_mut(start..start + *per_slot));
         if let (Some(force), Some(trace)) = (forces, traces) {
             influence::advance(hold, &model.material, &layout, params.sweeps, patch, &mut Stored { force, trace });
         }
