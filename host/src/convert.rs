@@ -167,6 +167,7 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
         },
         force_law: force_law(&baked.force_law),
         gravity: baked.gravity,
+        coupling: contact::CouplingSpec::Direct,
         guard: guard_spec(&baked.guard),
     };
     // the scene's own limits are checked before the device's, or the core's until a device has said its own, are laid over them
@@ -184,7 +185,7 @@ fn force_law(law: &wire::ForceLaw) -> contact::ForceLaw {
 
 const fn guard_spec(limits: &wire::GuardLimits) -> GuardSpec {
     let wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in } = *limits;
-    GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in }
+    GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity: None }
 }
 
 /// The lower of each two limits; how long the ramp is, the scene says.
@@ -195,6 +196,7 @@ const fn lower_limits(scene: &GuardSpec, other: &GuardSpec) -> GuardSpec {
         max_force_rate: scene.max_force_rate.min(other.max_force_rate),
         max_torque_rate: scene.max_torque_rate.min(other.max_torque_rate),
         ramp_in: scene.ramp_in,
+        passivity: scene.passivity,
     }
 }
 

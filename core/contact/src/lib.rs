@@ -39,6 +39,7 @@
 #![deny(missing_docs)]
 
 mod body;
+mod coupling;
 mod error;
 mod footprint;
 mod frames;
@@ -64,6 +65,9 @@ pub mod tier;
 #[doc = include_str!("theory.md")]
 pub mod theory {}
 
+pub use coupling::inertia::Inertia;
+pub use coupling::passivity::{MAX_DELAY, Passivity};
+pub use coupling::{CouplingSpec, VirtualCoupling};
 pub use error::Invalid;
 pub use footprint::Footprint;
 pub use frames::{Pose, ProbeFrame, World};

@@ -4,9 +4,7 @@
 
 use glam::Vec3;
 
-#[cfg(test)]
-pub(crate) use core::f32::consts::FRAC_PI_2;
-pub(crate) use core::f32::consts::PI;
+pub(crate) use core::f32::consts::{FRAC_PI_2, PI};
 
 pub(crate) fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)

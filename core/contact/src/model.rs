@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 
+use crate::coupling::inertia::{self, Inertia};
 use crate::error::{Invalid, require};
 use crate::green::Green;
 use crate::limits::{MAX_DISTANCE, MAX_PARTS, QUATERNION_TOLERANCE};
@@ -165,8 +166,10 @@ pub struct ModelSpec<'a> {
     pub green: Option<Green<'a>>,
     /// The probe's convex parts, 1 to [`MAX_PARTS`].
     pub probe: &'a [ProbePart],
-    /// Mass of the probe \[kg\].
+    /// Mass of the probe \[kg\], 0 to 1e4.
     pub mass: f32,
+    /// Inertia of the probe; `None` spreads the mass evenly over the volume of its parts.
+    pub inertia: Option<Inertia>,
     /// Length l of equation 2 on a half space, which has no fixed point \[m\].
     pub paper_length: f32,
 }
@@ -174,7 +177,17 @@ pub struct ModelSpec<'a> {
 impl<'a> ModelSpec<'a> {
     /// Spec with the defaults of the scene file: 1 kg, shape's own fixed height, computed compliances, l = 0.1 m.
     pub const fn new(object: ObjectShape, material: Material, probe: &'a [ProbePart]) -> Self {
-        Self { object, material, fixed_below: None, compliance: None, green: None, probe, mass: 1.0, paper_length: 0.1 }
+        Self {
+            object,
+            material,
+            fixed_below: None,
+            compliance: None,
+            green: None,
+            probe,
+            mass: 1.0,
+            inertia: None,
+            paper_length: 0.1,
+        }
     }
 }
 
@@ -188,6 +201,7 @@ pub struct Model<'a> {
     pub(crate) green: Option<Green<'a>>,
     pub(crate) probe: &'a [ProbePart],
     pub(crate) mass: f32,
+    pub(crate) inertia: Inertia,
     pub(crate) paper_length: f32,
 }
 
@@ -205,6 +219,8 @@ impl<'a> Model<'a> {
         check_probe(spec.probe)?;
         check_compliance(spec.compliance)?;
         require(spec.mass >= 0.0 && spec.mass <= 1.0e4, "probe.mass", spec.mass, "0 to 1e4 kg")?;
+        let inertia = spec.inertia.unwrap_or_else(|| inertia::of_parts(spec.probe, spec.mass));
+        inertia.check()?;
         require(LENGTH_RANGE.contains(&spec.paper_length), "model.paper_length", spec.paper_length, "1e-6 to 1e2 m")?;
         let fixed_below = spec.fixed_below.unwrap_or(spec.object.default_fixed_below());
         let top = if spec.object == ObjectShape::HalfSpace { f32::MAX } else { spec.object.height() };
@@ -217,6 +233,7 @@ impl<'a> Model<'a> {
             green: spec.green,
             probe: spec.probe,
             mass: spec.mass,
+            inertia,
             paper_length: spec.paper_length,
         })
     }
@@ -234,6 +251,11 @@ impl<'a> Model<'a> {
     /// The body's own Green's function, where a tool has computed it.
     pub fn green(&self) -> Option<&Green<'a>> {
         self.green.as_ref()
+    }
+
+    /// Inertia of the probe about its mass centre.
+    pub fn inertia(&self) -> Inertia {
+        self.inertia
     }
 
     /// The probe's parts.

@@ -1,5 +1,6 @@
 //! What may change between ticks: friction, tier, samples, limits. Validated once, then read-only.
 
+use crate::coupling::CouplingSpec;
 use crate::error::{Invalid, require};
 use crate::guard::GuardSpec;
 use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MAX_SWEEPS, MIN_SAMPLES};
@@ -92,6 +93,8 @@ pub struct ParamsSpec {
     pub force_law: ForceLaw,
     /// Adds the probe's weight to the wrench.
     pub gravity: bool,
+    /// What ties the probe to the handle.
+    pub coupling: CouplingSpec,
     /// Limits of the last stage.
     pub guard: GuardSpec,
 }
@@ -109,6 +112,7 @@ impl Default for ParamsSpec {
             breakaway: Breakaway::Smooth,
             force_law: ForceLaw::Hertz,
             gravity: false,
+            coupling: CouplingSpec::Direct,
             guard: GuardSpec::default(),
         }
     }
@@ -127,6 +131,7 @@ pub struct Params {
     pub(crate) breakaway: Breakaway,
     pub(crate) force_law: ForceLaw,
     pub(crate) gravity: bool,
+    pub(crate) coupling: CouplingSpec,
     pub(crate) guard: GuardSpec,
     pub(crate) layout: Layout,
     /// Tells one set of parameters from another, so that a change is noticed while the probe holds still.
@@ -155,6 +160,7 @@ impl Params {
         require(known, "model.samples", samples, "52 or 112 for tiers influence and green")?;
         require((1..=MAX_SWEEPS).contains(&spec.sweeps), "model.sweeps", spec.sweeps as f32, "1 to 32")?;
         check_law(&spec.force_law)?;
+        spec.coupling.check()?;
         spec.guard.check()?;
         Ok(Self {
             mu_s,
@@ -167,6 +173,7 @@ impl Params {
             breakaway: spec.breakaway,
             force_law: spec.force_law,
             gravity: spec.gravity,
+            coupling: spec.coupling,
             guard: spec.guard,
             layout: Layout::new(spec.samples),
             fingerprint: fingerprint(spec, mu_s),
@@ -192,7 +199,7 @@ fn fingerprint(spec: &ParamsSpec, mu_s: f32) -> u32 {
         (ForceLaw::Table { step, .. }, 0) => step,
         (ForceLaw::Table { force, .. }, i) => force[(i - 1).min(FORCE_TABLE_LEN - 1)],
     });
-    let words = numbers.into_iter().chain(law).map(f32::to_bits).chain(choices);
+    let words = numbers.into_iter().chain(law).map(f32::to_bits).chain(choices).chain(spec.coupling.words());
     words.flat_map(u32::to_le_bytes).fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 

@@ -40,9 +40,11 @@ impl Flags {
     pub const TIER_LOWERED: Self = Self(1 << 11);
     /// A region was born while another waited (one birth per tick).
     pub const BIRTH_WAITS: Self = Self(1 << 12);
+    /// The handle's port had given out more energy than it took; damping was added to the wrench.
+    pub const PASSIVITY_DAMPED: Self = Self(1 << 13);
 
     /// Names of the bits, lowest first.
-    pub const NAMES: [&'static str; 13] = [
+    pub const NAMES: [&'static str; 14] = [
         "pose refused",
         "pose jump",
         "region refused",
@@ -56,6 +58,7 @@ impl Flags {
         "non-finite",
         "tier lowered",
         "birth waits",
+        "passivity damped",
     ];
 
     /// True when every bit of `other` is set.

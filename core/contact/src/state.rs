@@ -3,6 +3,7 @@
 use glam::Vec2;
 use heapless::Vec;
 
+use crate::coupling::Coupled;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::GuardState;
 use crate::params::Tier;
@@ -28,7 +29,7 @@ pub struct State<const PATCHES: usize, const SAMPLES: usize> {
 /// The part of the state whose size does not depend on capacities.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Memory {
-    /// Last accepted pose; `None` before the first tick.
+    /// Last pose of the probe; `None` before the first tick.
     pub last_pose: Option<Pose<World, ProbeFrame>>,
     /// Time since it \[s\].
     pub since_last_pose: f32,
@@ -41,6 +42,8 @@ pub(crate) struct Memory {
     pub flags: Flags,
     /// Last contact wrench.
     pub contact: Wrench<World>,
+    /// The virtual coupling; `None` when the handle is the probe.
+    pub coupled: Option<Coupled>,
     pub guard: GuardState,
     /// Serial number of the next birth.
     pub next_serial: u32,
@@ -49,6 +52,18 @@ pub(crate) struct Memory {
     pub high_water: u8,
     /// A region has just given way to one that is not born yet.
     pub handed_over: bool,
+}
+
+impl Memory {
+    /// Last accepted pose of the handle.
+    pub fn last_handle(&self) -> Option<Pose<World, ProbeFrame>> {
+        self.coupled.as_ref().map_or(self.last_pose, |coupled| Some(coupled.handle))
+    }
+
+    /// What the hand should feel: the coupling where there is one, else the contact.
+    pub fn wanted(&self) -> Wrench<World> {
+        self.coupled.as_ref().map_or(self.contact, Coupled::on_handle)
+    }
 }
 
 impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
@@ -65,6 +80,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
                 fingerprint: None,
                 flags: Flags::CLEAN,
                 contact: Wrench::ZERO,
+                coupled: None,
                 guard: GuardState::START,
                 next_serial: 0,
                 refused: 0,
@@ -76,6 +92,11 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
             samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],
             traces: [[Trace { lack: Vec2::ZERO, change: Vec2::ZERO }; SAMPLES]; PATCHES],
         }
+    }
+
+    /// Pose `x_wp` of the probe as of the last tick: the handle's when the coupling is direct. `None` before the first tick.
+    pub fn probe_pose(&self) -> Option<Pose<World, ProbeFrame>> {
+        self.memory.last_pose
     }
 
     /// The patches in contact, oldest first.

@@ -6,6 +6,7 @@
 
 use heapless::VecView;
 
+use crate::coupling;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
 use crate::limits::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE, QUATERNION_TOLERANCE};
@@ -23,9 +24,9 @@ use crate::wrench::Wrench;
 /// What a tick is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// Pose `x_wp` of the probe in world.
+    /// Pose `x_wh` of the handle in world, its origin where the probe's mass centre is when the coupling is slack: the probe's own pose when it is direct.
     pub pose: Pose<World, ProbeFrame>,
-    /// Time since the previous tick \[s\]; used by the guard's rates and the jump test only.
+    /// Time since the previous tick \[s\]; used by the guard's rates, the jump test and the virtual coupling only.
     pub dt: f32,
 }
 
@@ -50,11 +51,13 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
 ) -> Output {
     scratch.poison();
     let State { memory, patches, samples, traces } = state;
-    let (now, mut flags) = accept(memory, &input);
-    let Some(now) = now else { return refused(params, memory, patches, input.dt, flags) };
-    if is_still(params, memory, &now) {
-        return finish(params, memory, patches, memory.contact, input.dt, memory.flags);
+    let (handle, mut flags) = accept(memory, &input);
+    let Some(handle) = handle else { return refused(params, memory, patches, input.dt, flags) };
+    if is_still(params, memory, &handle) {
+        return finish(params, memory, patches, Some(&handle), input.dt, memory.flags);
     }
+    let (now, coupled) = coupling::probe_pose(model, params, memory, handle, input.dt);
+    flags |= coupled;
     let births = memory.next_serial;
     // 1 detect
     let left_out = detect::detect(model, &now, &mut scratch.contacts);
@@ -71,10 +74,11 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
     flags |= drop_what_is_not_finite(memory, patches);
+    coupling::linearise(model, params, memory, patches);
     ramp_if_started_inside(params, memory, patches);
     remember(params, memory, patches, now, births, flags);
     // 7 guard
-    finish(params, memory, patches, memory.contact, input.dt, flags)
+    finish(params, memory, patches, Some(&handle), input.dt, flags)
 }
 
 /// A contact that is not finite is dropped whole: nothing of it may live on.
@@ -107,6 +111,7 @@ fn ramp_if_started_inside(params: &Params, memory: &mut Memory, patches: &[Patch
 /// Keeps the pose, and whether the next tick may rest on this one.
 fn remember(params: &Params, memory: &mut Memory, patches: &[Patch], now: Pose<World, ProbeFrame>, births: u32, flags: Flags) {
     let quiet = memory.last_pose == Some(now)
+        && memory.coupled.as_ref().is_none_or(|coupled| coupled.at_rest)
         && memory.next_serial == births
         && !regions::is_handing_over(patches)
         && !flags.contains(Flags::BIRTH_WAITS)
@@ -115,9 +120,9 @@ fn remember(params: &Params, memory: &mut Memory, patches: &[Patch], now: Pose<W
     (memory.last_pose, memory.flags) = (Some(now), flags);
 }
 
-/// A quasi-static contact whose pose did not change for two ticks stays as it is, to the bit, as long as the parameters do.
-fn is_still(params: &Params, memory: &Memory, now: &Pose<World, ProbeFrame>) -> bool {
-    memory.settled_for == Some(params.fingerprint) && memory.last_pose == Some(*now)
+/// A quasi-static contact whose pose did not change for two ticks, with a coupling at rest, stays as it is, to the bit, as long as handle and parameters do.
+fn is_still(params: &Params, memory: &Memory, handle: &Pose<World, ProbeFrame>) -> bool {
+    memory.settled_for == Some(params.fingerprint) && memory.last_handle() == Some(*handle)
 }
 
 /// Checks the pose and normalises it; `None` keeps the last good state.
@@ -132,7 +137,7 @@ fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>
     if !sound {
         return (None, Flags::POSE_REFUSED);
     }
-    if memory.last_pose.is_some_and(|last| is_jump(&last, &pose, memory.since_last_pose)) {
+    if memory.last_handle().is_some_and(|last| is_jump(&last, &pose, memory.since_last_pose)) {
         return (None, Flags::POSE_REFUSED | Flags::POSE_JUMP);
     }
     memory.since_last_pose = 0.0;
@@ -154,12 +159,20 @@ fn count_left_out(memory: &mut Memory, left_out: u32) -> Flags {
 fn refused(params: &Params, memory: &mut Memory, patches: &[Patch], dt: f32, flags: Flags) -> Output {
     memory.poses_refused = memory.poses_refused.saturating_add(1);
     let dt = if dt > 0.0 && dt.is_finite() { dt } else { 0.0 };
-    finish(params, memory, patches, Wrench::ZERO, dt, flags)
+    finish(params, memory, patches, None, dt, flags)
 }
 
-/// Stage 7, and the report.
-fn finish(params: &Params, memory: &mut Memory, patches: &[Patch], wanted: Wrench<World>, dt: f32, flags: Flags) -> Output {
-    let (wrench, guarded) = guard(&params.guard, &mut memory.guard, &wanted, dt);
+/// Stage 7, and the report. Without a `handle` nothing is wanted.
+fn finish(
+    params: &Params,
+    memory: &mut Memory,
+    patches: &[Patch],
+    handle: Option<&Pose<World, ProbeFrame>>,
+    dt: f32,
+    flags: Flags,
+) -> Output {
+    let wanted = if handle.is_some() { memory.wanted() } else { Wrench::ZERO };
+    let (wrench, guarded) = guard(&params.guard, &mut memory.guard, &wanted, handle, dt);
     let report = report(params, memory, patches, flags | guarded);
     Output { wrench, contact: memory.contact, report }
 }

@@ -68,7 +68,7 @@ fn rolled(over_object: glam::Vec2, over_probe: glam::Vec2) -> f32 {
 }
 
 /// Rotation vector of a unit quaternion \[rad\], shorter way; exactly zero when the quaternion is a product q q*.
-fn rotation_vector(q: Quat) -> Vec3 {
+pub fn rotation_vector(q: Quat) -> Vec3 {
     let v = Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 };
     let sine = root(v.length_squared());
     if sine < SMALL_SINE { v * 2.0 } else { v * (2.0 * atan2(sine, q.w.abs()) / sine) }

@@ -132,7 +132,7 @@ fn force_law(law: &ForceLaw) -> wire::ForceLaw {
 }
 
 fn guard(asked: &GuardSpec) -> wire::GuardLimits {
-    let GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in } = *asked;
+    let GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, .. } = *asked;
     wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in }
 }
 

@@ -107,7 +107,14 @@ impl Scene {
     /// no flag that speaks of one.
     pub fn contact_only(&self) -> ParamsSpec {
         let none = f32::INFINITY;
-        let guard = GuardSpec { max_force: none, max_torque: none, max_force_rate: none, max_torque_rate: none, ramp_in: 0.0 };
+        let guard = GuardSpec {
+            max_force: none,
+            max_torque: none,
+            max_force_rate: none,
+            max_torque_rate: none,
+            ramp_in: 0.0,
+            passivity: None,
+        };
         ParamsSpec { guard, ..self.params }
     }
 

@@ -106,6 +106,7 @@ const NO_LIMITS: GuardSpec = GuardSpec {
     max_force_rate: f32::INFINITY,
     max_torque_rate: f32::INFINITY,
     ramp_in: 0.5,
+    passivity: None,
 };
 
 /// Reads `[guard]` over the core's own limits, and over none.
