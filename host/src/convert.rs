@@ -231,7 +231,7 @@ pub struct Core<'a> {
     asked: GuardSpec,
     spec: ParamsSpec,
     params: Params,
-    state: Box<contact::State<PATCHES, SAMPLES>>,
+    state: Box<contact::State<PATCHES, SAMPLES, SAMPLES>>,
     scratch: Box<contact::Scratch<PATCHES>>,
     x_wd: Pose<World, DeviceBase>,
 }

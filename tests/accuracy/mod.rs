@@ -125,7 +125,7 @@ fn play(case: &Case, tier: Tier) -> Played {
     let friction = if bonded { BOND } else { case.friction };
     let spec = ParamsSpec { tier, samples: 64, friction_dynamic: friction, ..ParamsSpec::default() };
     let params = Params::new(&spec).expect("valid parameters");
-    let (mut state, mut scratch) = (Box::new(State::<1, MAX_BRISTLES>::new()), Scratch::<1>::new());
+    let (mut state, mut scratch) = (Box::new(State::<1, MAX_BRISTLES, MAX_BRISTLES>::new()), Scratch::<1>::new());
     let depth = if bonded { LAID_ON } else { case.depth };
     let place = Vec3::Z * (object.height() + SPHERE - depth);
     let mut tick = |rotation: Quat| {

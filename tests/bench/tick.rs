@@ -42,7 +42,7 @@ fn pose(height: f32, tick: u32) -> Pose<haptor_contact::World, haptor_contact::P
 fn scene(bench: &mut Criterion, name: &str, object: ObjectShape, probe: &[ProbePart], regions: u8, params: &ParamsSpec) {
     let model = Model::new(&ModelSpec::new(object, RUBBER, probe)).expect("valid model");
     let params = Params::new(params).expect("valid parameters");
-    let (mut state, mut scratch) = (Box::new(State::<16, 256>::new()), Scratch::<16>::new());
+    let (mut state, mut scratch) = (Box::new(State::<16, 256, 256>::new()), Scratch::<16>::new());
     let poses: Vec<_> = (0..256).map(|tick| pose(object.height() + 0.02, tick)).collect();
     let mut tick = 0;
     let mut run = || {
@@ -83,7 +83,7 @@ fn nothing(bench: &mut Criterion) {
     let model_parts = ten();
     let model = Model::new(&ModelSpec::new(TABLE, RUBBER, &model_parts)).expect("valid model");
     let params = Params::new(&tier(Tier::Bristle, 64)).expect("valid parameters");
-    let (mut state, mut scratch) = (Box::new(State::<16, 256>::new()), Scratch::<16>::new());
+    let (mut state, mut scratch) = (Box::new(State::<16, 256, 256>::new()), Scratch::<16>::new());
     let mut tick = 0;
     bench.bench_function("ten parts, no contact", |b| {
         b.iter(|| {

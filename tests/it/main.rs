@@ -27,6 +27,7 @@ mod region_limit;
 mod scene_errors;
 mod scenes;
 mod session;
+mod state_room;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

@@ -75,7 +75,7 @@ fn replay(rig: &Rig) -> u64 {
     let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
     let model = Model::new(&ModelSpec::new(ObjectShape::Box { size: Vec3::splat(0.1) }, rubber, &ball)).unwrap();
     let params = Params::new(&ParamsSpec { guard: GuardSpec::default(), ..ParamsSpec::default() }).unwrap();
-    let (mut state, mut scratch) = (Box::new(State::<16, 256>::new()), Scratch::<16>::new());
+    let (mut state, mut scratch) = (Box::new(State::<16, 256, 256>::new()), Scratch::<16>::new());
     let mut stepped_at = None;
     for tick in rig.ticks.iter().filter(|t| t.flags & flags::NO_POSE == 0) {
         let since = stepped_at.map_or(1, |at| tick.tick - at);

@@ -12,7 +12,7 @@ pub const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5
 pub const CUBE: ObjectShape = ObjectShape::Box { size: Vec3::splat(0.1) };
 
 /// The session state every test uses: room for every part and the finest samples.
-pub type FullState = State<16, 256>;
+pub type FullState = State<16, 256, 256>;
 
 /// A scene that is being felt.
 pub struct Drive {

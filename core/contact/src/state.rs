@@ -15,15 +15,15 @@ use crate::wrench::Wrench;
 
 /// Memory of a session: patches with their stick, samples, the guard's last wrench, counters.
 ///
-/// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles of one patch (at most 256; more than asked for by the parameters is never used, fewer lowers
-/// the tier's resolution and says so in the report).
+/// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles or cells of one patch: none for the tiers `point` and `paper`, 16 to 256 for `bristle`, at least
+/// 100 (52 cells) or 196 (112 cells) for `influence` and `green`. `TRACES` is what those two remember beside the samples' forces: as many as samples, or none for the other tiers. A tier
+/// that finds too little room is lowered, and the report says so.
 #[derive(Clone, Debug)]
-pub struct State<const PATCHES: usize, const SAMPLES: usize> {
+pub struct State<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize = 0> {
     pub(crate) memory: Memory,
     pub(crate) patches: Vec<Patch, PATCHES>,
     pub(crate) samples: [[Bristle; SAMPLES]; PATCHES],
-    /// What tier `influence` remembers beside the samples' forces.
-    pub(crate) traces: [[Trace; SAMPLES]; PATCHES],
+    pub(crate) traces: [[Trace; TRACES]; PATCHES],
 }
 
 /// The part of the state whose size does not depend on capacities.
@@ -66,11 +66,12 @@ impl Memory {
     }
 }
 
-impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
+impl<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize> State<PATCHES, SAMPLES, TRACES> {
     /// A state without history.
     pub const fn new() -> Self {
         const { assert!(PATCHES >= 1 && PATCHES <= crate::limits::MAX_PARTS) };
-        const { assert!(SAMPLES >= crate::limits::MIN_SAMPLES && SAMPLES <= crate::limits::MAX_BRISTLES) };
+        const { assert!(SAMPLES == 0 || SAMPLES >= crate::limits::MIN_SAMPLES && SAMPLES <= crate::limits::MAX_BRISTLES) };
+        const { assert!(TRACES == 0 || TRACES == SAMPLES) };
         Self {
             memory: Memory {
                 last_pose: None,
@@ -90,7 +91,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
             },
             patches: Vec::new(),
             samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],
-            traces: [[Trace { lack: Vec2::ZERO, change: Vec2::ZERO }; SAMPLES]; PATCHES],
+            traces: [[Trace { lack: Vec2::ZERO, change: Vec2::ZERO }; TRACES]; PATCHES],
         }
     }
 
@@ -105,7 +106,7 @@ impl<const PATCHES: usize, const SAMPLES: usize> State<PATCHES, SAMPLES> {
     }
 }
 
-impl<const PATCHES: usize, const SAMPLES: usize> Default for State<PATCHES, SAMPLES> {
+impl<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize> Default for State<PATCHES, SAMPLES, TRACES> {
     fn default() -> Self {
         Self::new()
     }

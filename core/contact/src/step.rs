@@ -42,10 +42,10 @@ pub struct Output {
 }
 
 /// Runs one tick. Cannot fail, cannot panic, reads no clock; its work is bounded by the probe's parts and the samples.
-pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
+pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const CONTACTS: usize>(
     model: &Model<'_>,
     params: &Params,
-    state: &mut State<PATCHES, SAMPLES>,
+    state: &mut State<PATCHES, SAMPLES, TRACES>,
     scratch: &mut Scratch<CONTACTS>,
     input: Input,
 ) -> Output {
@@ -69,7 +69,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const CONTACTS: usize>(
     // 4 torque
     let changed = take_up_params(params, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
-    let work = torque::Workspace { stored, per_slot: SAMPLES, grounds: &mut scratch.grounds };
+    let work = torque::Workspace { stored, per_slot: SAMPLES, traced: TRACES > 0, grounds: &mut scratch.grounds };
     flags |= torque::hold(model, params, patches, work, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);

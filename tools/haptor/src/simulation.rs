@@ -13,7 +13,7 @@ use crate::trajectory::Row;
 pub struct Simulation<'a> {
     model: Model<'a>,
     params: Params,
-    state: Box<State<MAX_PARTS, MAX_BRISTLES>>,
+    state: Box<State<MAX_PARTS, MAX_BRISTLES, MAX_BRISTLES>>,
     scratch: Box<Scratch<MAX_PARTS>>,
 }
 

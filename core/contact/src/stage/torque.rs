@@ -3,6 +3,7 @@
 use heapless::VecView;
 
 use crate::frames::{Pose, ProbeFrame, World};
+use crate::limits::MIN_SAMPLES;
 use crate::model::Model;
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
@@ -19,6 +20,8 @@ pub struct Workspace<'a> {
     pub stored: Stored<'a>,
     /// Samples of a slot; those of a patch are its slot's.
     pub per_slot: usize,
+    /// There is a trace for every sample.
+    pub traced: bool,
     /// Grounds of the patches.
     pub grounds: &'a mut VecView<Ground>,
 }
@@ -52,9 +55,13 @@ pub fn hold(
     }
 }
 
-/// Tier `bristle`, with fewer rings where the state has no room for all.
+/// Tier `bristle`, with fewer rings where the state has no room for all, and in closed form where it has room for none.
 fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
-    let Workspace { stored, per_slot, grounds } = work;
+    let Workspace { stored, per_slot, grounds, .. } = work;
+    if *per_slot < MIN_SAMPLES {
+        each(model, params, patches, grounds, changed, point::advance);
+        return Flags::TIER_LOWERED;
+    }
     let (layout, flags) = fitting(&params.layout, *per_slot);
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
@@ -67,10 +74,11 @@ fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work
 
 /// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
 fn hold_cells(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
-    let Some(layout) = influence::Layout::fitting(params.samples, work.per_slot) else {
+    let room = if work.traced { work.per_slot } else { 0 };
+    let Some(layout) = influence::Layout::fitting(params.samples, room) else {
         return hold_bristles(model, params, patches, work, changed) | Flags::TIER_LOWERED;
     };
-    let Workspace { stored: Stored { force, trace }, per_slot, grounds } = work;
+    let Workspace { stored: Stored { force, trace }, per_slot, grounds, .. } = work;
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         let (forces, traces) = (force.get_mut(start..start + *per_slot), trace.get_mut(start..start + *per_slot));
