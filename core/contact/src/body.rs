@@ -6,11 +6,10 @@
 
 use glam::Vec3;
 
-use crate::green::kernel::Load;
+use crate::green::kernel::{Load, bent_drag};
 use crate::green::{Block, Green};
 use crate::math::{PI, clamp, ln, max, min, perpendicular, root};
 use crate::model::{Compliance, Model, ObjectShape};
-use crate::patch::Patch;
 
 /// Section and length of the beam from the contact to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,13 +22,13 @@ struct Beam {
     bending: (f32, f32),
 }
 
-/// Compliance at a patch with centre `p_wc`, outward normal `n` and contact radius `a`.
-pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32) -> Compliance {
+/// Compliance at a patch with centre `p_wc`, outward normal `n` and contact radius `a`, where the object's mean curvature is `curvature`.
+pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32) -> Compliance {
     if let Some(given) = model.compliance {
         return given;
     }
     if let Some(green) = &model.green {
-        return by_table(green, p_wc, n);
+        return by_table(&own(model, green, p_wc, n, a, curvature), n);
     }
     let g = model.material.shear_modulus();
     let nu = model.material.poisson_ratio;
@@ -46,34 +45,78 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32) -> Compliance 
     }
 }
 
-/// What patches share at a patch with centre `p_wc` and outward normal `n`: drag compliance, and turn about the body's vertical axis per torque about it.
-pub fn common(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> (f32, f32) {
+/// What patches share at a patch with centre `p_wc`, outward normal `n` and mean radius of curvature `r`: drag compliance beyond the closed form that the
+/// curvature gives, and turn about the body's vertical axis per torque about it.
+pub fn common(model: &Model<'_>, p_wc: Vec3, n: Vec3, r: f32) -> (f32, f32) {
     let far = match model.object {
         ObjectShape::HalfSpace => return (0.0, 0.0),
         ObjectShape::Box { size } => root(size.x * size.y),
         ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => 2.0 * radius,
         ObjectShape::Ellipsoid { semi_axes } => 2.0 * root(semi_axes.x * semi_axes.y),
     };
-    let drag = compliance(model, p_wc, n, SPACING * far).drag;
-    (drag, if n.z >= LEVEL { compliance(model, p_wc, n, 0.0).twist } else { compliance(model, p_wc, Vec3::Z, 0.0).twist })
+    let bent = bent_drag(1.0 / r, model.material.poisson_ratio, SPACING * far) / (2.0 * model.material.shear_modulus());
+    let drag = max(compliance(model, p_wc, n, SPACING * far, 1.0 / r).drag - bent, 0.0);
+    (
+        drag,
+        if n.z >= LEVEL {
+            compliance(model, p_wc, n, 0.0, 1.0 / r).twist
+        } else {
+            compliance(model, p_wc, Vec3::Z, 0.0, 1.0 / r).twist
+        },
+    )
 }
 
 /// Distance at which the drag compliance that patches share is taken, as a share of the body's width: a patch of this radius has its traction that far apart.
 const SPACING: f32 = 0.2;
 
-/// What the body's table says of the patch itself, at the patch's radius.
-pub fn own(green: &Green<'_>, patch: &Patch) -> Block {
-    green.own(patch.at_rest())
+/// What the body's table says of a patch itself, for its place, normal, radius `a` and the object's curvature there.
+pub fn own(model: &Model<'_>, green: &Green<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32) -> Block {
+    let own = green.own(p_wc);
+    let e1 = perpendicular(n);
+    let tangents = [e1, n.cross(e1)];
+    let (share, bent) = (wide(model, n, a), narrow(model, green, curvature, a));
+    let mut changed = own;
+    for (i, t) in tangents.into_iter().enumerate() {
+        for (j, u) in tangents.into_iter().enumerate() {
+            let found = own.times(&Load { force: u, torque: 0.0 }).shift.dot(t);
+            let more = (share - 1.0) * found + if i == j { bent } else { 0.0 };
+            changed = changed.plus(t, u, more);
+        }
+    }
+    changed
 }
 
+/// What a patch of radius `a` on a curved body is dragged by beyond the disc of the table (10.5).
+fn narrow(model: &Model<'_>, green: &Green<'_>, curvature: f32, a: f32) -> f32 {
+    if a <= 0.0 {
+        return 0.0;
+    }
+    let at = |d: f32| bent_drag(curvature, model.material.poisson_ratio, d);
+    (at(a) - at(green.patch_radius())) / (2.0 * model.material.shear_modulus())
+}
+
+/// What is left of a box's drag compliance under a patch of radius `a`, whose own stiffness holds part of the body (7.1); 1 on other bodies.
+pub fn wide(model: &Model<'_>, n: Vec3, a: f32) -> f32 {
+    let ObjectShape::Box { size } = model.object else { return 1.0 };
+    let across = if n.x * n.x > 0.5 { size.y } else { size.x };
+    let width = if n.z * n.z > 0.5 { min(size.x, size.y) } else { min(size.z, across) };
+    let ratio = min(a / width, WIDEST);
+    1.0 - OVERLAP * ratio * ratio
+}
+
+/// Fall of a face's drag compliance with the square of a/b.
+const OVERLAP: f32 = 1.75;
+
+/// Largest a/b the fall is applied to: 0.3 was fitted.
+const WIDEST: f32 = 0.5;
+
 /// The mean over the directions along the surface of what the table says.
-fn by_table(green: &Green<'_>, p_wc: Vec3, n: Vec3) -> Compliance {
-    let own = green.own(p_wc);
+fn by_table(own: &Block, n: Vec3) -> Compliance {
     let along = |v: Vec3| own.times(&Load { force: v, torque: 0.0 }).shift.dot(v);
     let e1 = perpendicular(n);
-    let e2 = n.cross(e1);
     let twist = own.times(&Load { force: Vec3::ZERO, torque: 1.0 }).turn;
-    Compliance { normal: max(along(n), 0.0), drag: max(0.5 * (along(e1) + along(e2)), 0.0), twist: max(twist, 0.0) }
+    let drag = 0.5 * (along(e1) + along(n.cross(e1)));
+    Compliance { normal: max(along(n), 0.0), drag: max(drag, 0.0), twist: max(twist, 0.0) }
 }
 
 /// Compliance along the normal only: none on top, where the cube's tables show that the finite body hardly matters.
@@ -81,7 +124,7 @@ pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
     match model.compliance {
         Some(given) => given.normal,
         None if n.z >= LEVEL && model.green.is_none() => 0.0,
-        None => compliance(model, p_wc, n, 0.0).normal,
+        None => compliance(model, p_wc, n, 0.0, 0.0).normal,
     }
 }
 
@@ -153,9 +196,9 @@ fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
     let b = root(size.x * size.y);
     let (beam, square) = (box_beam(size, height), box_beam(Vec3::new(b, b, size.z), height));
     let h = height / b;
-    let ratio = min(a / min(size.x, size.y), 0.5);
+    let ratio = min(a / min(size.x, size.y), WIDEST);
     // the half-space part of a wide patch already holds part of the body
-    let overlap = 1.0 - 1.75 * ratio * ratio;
+    let overlap = 1.0 - OVERLAP * ratio * ratio;
     let drag = |h: f32| column_drag(&SQUARE_DRAG, 2.0 / (1.0 + nu), nu, h);
     let calibrated = (1.79 + (0.5 - nu)) / drag(1.0) * drag(h) * overlap / (g * b);
     let twist = max(7.088 * h - SQUARE_TWIST_OFF, 0.0) / (g * b * b * b);
@@ -235,7 +278,7 @@ mod tests {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
         let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();
-        compliance(&model, Vec3::Z * object.height(), Vec3::Z, a)
+        compliance(&model, Vec3::Z * object.height(), Vec3::Z, a, 0.0)
     }
 
     #[test]

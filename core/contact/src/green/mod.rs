@@ -27,6 +27,18 @@ pub const BLOCK: usize = COMPONENTS * COMPONENTS;
 pub struct Block(pub [f32; BLOCK]);
 
 impl Block {
+    /// Adds `more` to the shift along `t` per force along `u`.
+    pub(crate) fn plus(mut self, t: Vec3, u: Vec3, more: f32) -> Self {
+        for (i, t) in t.to_array().into_iter().enumerate() {
+            for (j, u) in u.to_array().into_iter().enumerate() {
+                if let Some(entry) = self.0.get_mut(COMPONENTS * i + j) {
+                    *entry += more * t * u;
+                }
+            }
+        }
+        self
+    }
+
     /// The move under a load.
     pub fn times(&self, load: &Load) -> Move {
         let row = |[x, y, z, t]: [f32; COMPONENTS]| x * load.force.x + y * load.force.y + z * load.force.z + t * load.torque;

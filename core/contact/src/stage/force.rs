@@ -31,7 +31,7 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
     }
     let mut flags = Flags::CLEAN;
     for patch in patches.iter_mut() {
-        patch.body = body::compliance(model, patch.at_rest(), patch.normal, patch.footprint.radius);
+        patch.body = body::compliance(model, patch.at_rest(), patch.normal, patch.footprint.radius, 1.0 / patch.object_radius);
         if patch.footprint.large_strain {
             flags |= Flags::LARGE_STRAIN;
         }

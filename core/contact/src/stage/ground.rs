@@ -9,9 +9,9 @@ use glam::Vec3;
 use heapless::VecView;
 
 use crate::body;
-use crate::green::Green;
 use crate::green::chart::Cell;
 use crate::green::kernel::{Disc, Load, Move};
+use crate::green::{Block, Green};
 use crate::model::{Model, ObjectShape};
 use crate::patch::{Patch, Shift};
 
@@ -50,7 +50,7 @@ impl Ground {
         // a patch that carries nothing moves nothing; its disc needs a radius all the same
         let radius = if patch.footprint.radius > 0.0 { patch.footprint.radius } else { f32::MAX };
         let by_table = table(model).is_some();
-        let (shared, torsion) = if by_table { (0.0, 0.0) } else { body::common(model, place, patch.normal) };
+        let (shared, torsion) = if by_table { (0.0, 0.0) } else { body::common(model, place, patch.normal, patch.object_radius) };
         Self {
             place,
             disc: Disc::new(model, place, patch.normal, radius, patch.object_radius),
@@ -76,7 +76,7 @@ pub fn moved(model: &Model<'_>, grounds: &[Ground], patches: &[Patch], i: usize)
         sum + other.disc.at(&held(patch), ground.place, here.normal, rims)
     });
     let body = match table(model) {
-        Some(green) => by_table(green, grounds, patches, i, here, ground),
+        Some(green) => by_table(model, green, grounds, patches, i, here, ground),
         None => by_beam(grounds, patches, i, here, ground),
     };
     let Move { shift, turn } = near + body;
@@ -89,9 +89,10 @@ pub fn lowered(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
     let (Some(green), Some(here)) = (table(model), patches.get(i)) else { return 0.0 };
     let at = green.chart().cell(here.at_rest());
     let others = patches.iter().enumerate().filter(|(j, other)| *j != i && other.footprint.load > 0.0);
-    let crossed = others
-        .fold(Vec3::ZERO, |sum, (_, other)| sum + green.respond(&at, &green.chart().cell(other.at_rest()), &whole(other)).shift);
-    let own = body::own(green, here).times(&held(here)).shift;
+    let crossed = others.fold(Vec3::ZERO, |sum, (_, other)| {
+        sum + green.respond(&at, &green.chart().cell(other.at_rest()), &seen(model, other)).shift
+    });
+    let own = own(model, green, here).times(&held(here)).shift;
     -(crossed + own).dot(here.normal)
 }
 
@@ -112,13 +113,32 @@ pub fn whole(patch: &Patch) -> Load {
     Load { force: held.force - patch.normal * patch.footprint.load, ..held }
 }
 
+/// A whole load as far as the table's columns see it: the stiffness of a wide patch already holds part of what its drag moves.
+pub fn seen(model: &Model<'_>, patch: &Patch) -> Load {
+    let held = held(patch);
+    let share = body::wide(model, patch.normal, patch.footprint.radius);
+    Load { force: held.force * share - patch.normal * patch.footprint.load, ..held }
+}
+
+fn own(model: &Model<'_>, green: &Green<'_>, patch: &Patch) -> Block {
+    body::own(model, green, patch.at_rest(), patch.normal, patch.footprint.radius, 1.0 / patch.object_radius)
+}
+
 /// What the table adds: of the others between the places, and of the patch itself beyond the scalars that the tiers take in series.
-fn by_table(green: &Green<'_>, grounds: &[Ground], patches: &[Patch], i: usize, here: &Patch, ground: &Ground) -> Move {
+fn by_table(
+    model: &Model<'_>,
+    green: &Green<'_>,
+    grounds: &[Ground],
+    patches: &[Patch],
+    i: usize,
+    here: &Patch,
+    ground: &Ground,
+) -> Move {
     let crossed = others(grounds, patches, i)
-        .fold(Move::default(), |sum, (other, patch)| sum + green.respond(&ground.cell, &other.cell, &whole(patch)));
+        .fold(Move::default(), |sum, (other, patch)| sum + green.respond(&ground.cell, &other.cell, &seen(model, patch)));
     let counted = held(here);
     let serial = Move { shift: counted.force * -here.body.drag, turn: counted.torque * -here.body.twist };
-    crossed + body::own(green, here).times(&whole(here)) + serial
+    crossed + own(model, green, here).times(&whole(here)) + serial
 }
 
 /// Without a table: shear and bending are common to all patches, and forces beside the body's axis turn it.
