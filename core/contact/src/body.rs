@@ -86,7 +86,7 @@ pub fn own(model: &Model<'_>, green: &Green<'_>, p_wc: Vec3, n: Vec3, a: f32, cu
     changed
 }
 
-/// What a patch of radius `a` on a curved body is dragged by beyond the disc of the table (10.5).
+/// What a patch of radius `a` on a curved body is dragged by beyond the disc of the table (11.5).
 fn narrow(model: &Model<'_>, green: &Green<'_>, curvature: f32, a: f32) -> f32 {
     if a <= 0.0 {
         return 0.0;

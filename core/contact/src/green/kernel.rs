@@ -1,7 +1,7 @@
 //! What a load on one small disc of the surface moves elsewhere: the half space's closed forms, faded out towards the held base.
 //!
 //! This is the part of the Green's function that needs no table. The table holds what the body adds to exactly these formulas, and patches feel each
-//! other through them in every tier (theory.md, section 10).
+//! other through them in every tier (theory.md, section 11).
 
 use glam::Vec3;
 
@@ -120,13 +120,13 @@ impl Disc {
             + self.normal.cross(level) * (load.torque * self.turned * turned_disc(q) * self.bent_twist(distance))
     }
 
-    /// What the body's curvature makes of a twist, to first order (10.4): on a sphere 1 + 3/2 d/R far away, 1 + 0.735 a/R on the disc.
+    /// What the body's curvature makes of a twist, to first order (11.4): on a sphere 1 + 3/2 d/R far away, 1 + 0.735 a/R on the disc.
     fn bent_twist(&self, distance: f32) -> f32 {
         let share = min(self.curvature * max(distance, self.radius), 1.0);
         1.0 + 1.5 * share - 0.765 * self.curvature * self.radius
     }
 
-    /// What it adds to a drag: the surface that falls away is drawn along by (3 - 2 nu (1 - 2 nu))/(8 pi G R) ln(R/d) (10.5).
+    /// What it adds to a drag: the surface that falls away is drawn along by (3 - 2 nu (1 - 2 nu))/(8 pi G R) ln(R/d) (11.5).
     fn bent_drag(&self, distance: f32) -> f32 {
         bent_drag(self.curvature, self.poisson, max(distance, self.radius)) * 2.0 * PI * self.unit
     }

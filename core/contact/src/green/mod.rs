@@ -1,7 +1,7 @@
 //! The body's own Green's function: what a load at one place of the surface moves at another, beyond the closed forms of [`kernel`].
 //!
 //! A tool computes it by finite elements, once per body, on the places of a [`Chart`]; ticks read it. Displacement under a load =
-//! `kernel` + table, for the same place, the same outward normal and a disc of `patch_radius` (theory.md, section 10).
+//! `kernel` + table, for the same place, the same outward normal and a disc of `patch_radius` (theory.md, section 11).
 //!
 //! Loads and moves at a place are four numbers: force along world x, y, z \[N\] and torque about the place's outward normal \[N m\]; displacement along
 //! world x, y, z \[m\] and turn about the outward normal \[rad\].

@@ -3,7 +3,7 @@
 //!
 //! Terms: the **ground** is the object's surface at a patch as far as the patch's own local contact does not move it. A tier counts on the probe's
 //! motion less the ground's. Patches that pull together find the ground coming with them; patches that turn as a ring find the body turning
-//! (theory.md, section 10). A single patch on the body's axis needs none of this, nor does a scene without friction.
+//! (theory.md, section 11). A single patch on the body's axis needs none of this, nor does a scene without friction.
 
 use glam::Vec3;
 use heapless::VecView;
