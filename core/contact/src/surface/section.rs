@@ -82,12 +82,6 @@ impl Section {
         }
     }
 
-    /// Distance of the farthest point from the axis \[m\].
-    pub fn reach(&self) -> f32 {
-        let corner = root(self.half.length_squared()) * self.diagonal;
-        max(corner, max(self.half.x, self.half.y))
-    }
-
     /// Polar second moment of area \[m^4\].
     pub fn polar(&self) -> f32 {
         self.bending.x + self.bending.y
@@ -108,8 +102,7 @@ mod tests {
         let square = Section::rectangle(Vec2::splat(0.5));
         assert!((square.torsion - 0.1406).abs() < 4.0e-4 && (square.bending.x - 1.0 / 12.0).abs() < 1.0e-6);
         let circle = Section::ellipse(Vec2::splat(1.0));
-        assert!((circle.torsion / circle.polar() - 1.0).abs() < 1.0e-6 && (circle.reach() - 1.0).abs() < 1.0e-6);
-        assert!((square.reach() - core::f32::consts::FRAC_1_SQRT_2).abs() < 1.0e-6);
+        assert!((circle.torsion / circle.polar() - 1.0).abs() < 1.0e-6);
         let ball = ObjectShape::Sphere { radius: 0.05 };
         assert_eq!(Section::width_at(&ball, 0.05), 1.0);
         assert_eq!(Section::width_at(&ball, 0.1), 0.0);

@@ -10,7 +10,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::math::{max, min, root};
+use crate::math::max;
 use crate::model::ObjectShape;
 use crate::surface::section::Section;
 
@@ -38,8 +38,6 @@ pub struct Station {
     pub width: f32,
     /// Reach of the diagonals in half widths.
     pub diagonal: f32,
-    /// Distance of the widest section's farthest point \[m\].
-    pub reach: f32,
     /// Motion of the section, summed over the patches.
     pub motion: Motion,
     /// Displacement of the axis \[m\], and its growth over a half width along x and y where the cross beams leave it.
@@ -57,10 +55,10 @@ pub struct Motion {
     pub shift: Vec3,
     /// Slope of the axis along x and y: the section tilts by it.
     pub slope: Vec2,
-    /// Turn about the axis, and what the corners turn more \[rad\].
+    /// Turn about the axis \[rad\].
     pub turn: f32,
-    /// What the corners turn more \[rad\].
-    pub corner: f32,
+    /// What the rim turns more, in the middle of the sides and in the corners \[rad\].
+    pub rim_turn: [f32; 2],
     /// nu times the curvature of the axis along x and y \[1/m\].
     pub curved: Vec2,
     /// Growth of the section's lengths: minus nu times the strain along the axis.
@@ -74,7 +72,7 @@ impl core::ops::AddAssign for Motion {
         self.shift += other.shift;
         self.slope += other.slope;
         self.turn += other.turn;
-        self.corner += other.corner;
+        self.rim_turn = [self.rim_turn[0] + other.rim_turn[0], self.rim_turn[1] + other.rim_turn[1]];
         self.curved += other.curved;
         self.swell += other.swell;
         self.rim += other.rim;
@@ -116,12 +114,12 @@ impl Rim {
         let t2 = t * t;
         let t8 = t2 * t2 * t2 * t2;
         Self {
-            ahead: force * (0.07 + 0.13 * t * t2 + s * (0.17 * t - 0.05)),
-            aside: force * (0.04 - 0.13 * t8 * t2 + s * 0.11 * t),
-            corner: force * (0.05 - 0.09 * t8 + s * (0.15 * t - 0.01)),
-            spread: force * (0.02 + 0.10 * t),
-            down: force * (0.27 * t2 + s * 0.4 * t * (1.0 - t)),
-            corner_down: force * (0.06 + s * 0.08),
+            ahead: force * (0.09 + 0.10 * t * t2 + s * (0.19 * t - 0.06)),
+            aside: force * (0.08 - 0.09 * t8 * t2 + s * 0.13 * t),
+            corner: force * (0.06 - 0.06 * t8 + s * (0.14 * t - 0.01)),
+            spread: force * (0.02 + 0.06 * t),
+            down: force * (0.21 * t2 + s * 0.35 * t * (1.0 - t)),
+            corner_down: force * (0.045 + s * 0.07),
         }
     }
 
@@ -158,12 +156,11 @@ impl Station {
         half: Vec2::ONE,
         width: 1.0,
         diagonal: 1.0,
-        reach: 1.0,
         motion: Motion {
             shift: Vec3::ZERO,
             slope: Vec2::ZERO,
             turn: 0.0,
-            corner: 0.0,
+            rim_turn: [0.0; 2],
             curved: Vec2::ZERO,
             swell: 0.0,
             rim: Rim::NONE,
@@ -176,7 +173,7 @@ impl Station {
     /// The station at the height `z`.
     pub(super) fn at_rest(object: &ObjectShape, section: &Section, z: f32) -> Self {
         let width = max(Section::width_at(object, z), LEAST_WIDTH);
-        let mut station = Self { z, half: section.half, width, diagonal: section.diagonal, reach: section.reach(), ..Self::REST };
+        let mut station = Self { z, half: section.half, width, diagonal: section.diagonal, ..Self::REST };
         for ((place, _), (i, &(x, y))) in station.anchors.iter_mut().zip(DIRECTIONS.iter().enumerate()) {
             let reach = if i < 4 { width } else { width * section.diagonal };
             *place = Vec3::new(x * reach * section.half.x, y * reach * section.half.y, z);
@@ -190,17 +187,17 @@ impl Station {
         self.axis = shift;
         self.slopes = [Vec3::new(swell, turn, -slope.x) * self.half.x, Vec3::new(-turn, swell, -slope.y) * self.half.y];
         for (i, (place, moved)) in self.anchors.iter_mut().enumerate() {
-            *moved = self.motion.at(*place, self.reach) + self.motion.rim.at(i);
+            let [side, corner] = self.motion.rim_turn;
+            *moved = self.motion.at(*place, if i < 4 { side } else { corner }) + self.motion.rim.at(i);
         }
     }
 }
 
 impl Motion {
-    /// Displacement of the point `p` of a section that reaches as far as `reach`.
-    fn at(&self, p: Vec3, reach: f32) -> Vec3 {
+    /// Displacement of the point `p` of the section's rim that turns by `rim_turn` more than the axis.
+    fn at(&self, p: Vec3, rim_turn: f32) -> Vec3 {
         let (x, y) = (p.x, p.y);
-        let far = min(root(x * x + y * y) / reach, 1.0);
-        let turn = self.turn + self.corner * far * far * (3.0 - 2.0 * far);
+        let turn = self.turn + rim_turn;
         let Vec2 { x: along_x, y: along_y } = self.curved;
         let square = 0.5 * (x * x - y * y);
         self.shift

@@ -20,8 +20,8 @@ use super::{positive, share};
 
 /// Turn of the sections of a column below mid height, over the turn of the patch that the body adds: 0.92/0.67 (cube, bonded discs).
 const COLUMN_SLOPE: f32 = 1.37;
-/// What the corners of a column's loaded end turn more than its middle.
-const CORNER_EXCESS: f32 = 0.167;
+/// What the middles of the sides and the corners of a column's loaded end turn more than its axis.
+const RIM_EXCESS: [f32; 2] = [0.12, 0.19];
 /// A round body turns mostly in the cap it is held by: t (1 + k)/(t + k), fitted to an ellipsoid held below an eighth of its height.
 const CAP_SHARE: f32 = 0.13;
 
@@ -109,30 +109,30 @@ impl Beam {
             + self.shear * inside
             + self.tilted * (0.5 * inside * t)
             + slope * beyond;
-        let (turn, corner) = self.turn(t);
+        let (turn, rim_turn) = self.turn(t);
         let free = unheld(t) * self.poisson;
         let strained = if beyond > 0.0 { 0.0 } else { 1.0 };
         Motion {
             shift: Vec3::new(level.x + turn * self.line.y, level.y - turn * self.line.x, self.axial * inside),
             slope,
             turn,
-            corner,
+            rim_turn,
             curved: (self.bend * (l - inside) + self.tilted * (strained / l)) * free,
             swell: -self.axial * (strained * free),
             rim: Rim::under(self.rim * unheld(t), share(1.0 - positive(l - s) / self.width), self.poisson),
         }
     }
 
-    /// Turn at the height share `t`, and what the corners turn more.
+    /// Turn at the height share `t`, and what the middles of the sides and the corners turn more.
     ///
     /// A column turns in proportion to height below and levels off above: 1.37 t - 0.37 t^6.
-    fn turn(&self, t: f32) -> (f32, f32) {
+    fn turn(&self, t: f32) -> (f32, [f32; 2]) {
         if self.round {
-            return (self.twist * t * (1.0 + CAP_SHARE) / (t + CAP_SHARE), 0.0);
+            return (self.twist * t * (1.0 + CAP_SHARE) / (t + CAP_SHARE), [0.0; 2]);
         }
         let t2 = t * t;
         let t6 = t2 * t2 * t2;
-        (self.twist * (COLUMN_SLOPE * t - (COLUMN_SLOPE - 1.0) * t6), self.twist * CORNER_EXCESS * t6)
+        (self.twist * (COLUMN_SLOPE * t - (COLUMN_SLOPE - 1.0) * t6), RIM_EXCESS.map(|excess| self.twist * excess * t6))
     }
 }
 

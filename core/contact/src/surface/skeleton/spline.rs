@@ -162,7 +162,7 @@ mod tests {
             shift: Vec3::new(1.0e-3, -2.0e-3, 3.0e-3),
             slope: Vec2::new(0.02, -0.01),
             turn: 0.05,
-            corner: 0.01,
+            rim_turn: [0.008, 0.01],
             curved: Vec2::new(0.3, 0.2),
             swell: 0.004,
             ..Motion::default()
