@@ -230,20 +230,27 @@ impl Turn {
             return Self::NONE;
         }
         let mut turn = Self::NONE;
-        turn.add(&curve, hold, patch.grip.torque, flat);
+        let (mut last, mut scale) = (0.0, 1.0);
+        if params.tier == Tier::Point {
+            for torque in patch.point.turning_torques() {
+                turn.add(&curve, hold, (torque - last) / scale, scale, flat);
+                (last, scale) = (torque, 2.0);
+            }
+        }
+        turn.add(&curve, hold, (patch.grip.torque - last) / scale, scale, flat);
         turn
     }
 
-    /// Adds the field of a fresh patch that is loaded up to `torque`.
-    fn add(&mut self, curve: &Curve, hold: &Hold, torque: f32, flat: f32) {
+    /// Adds `scale` times the field of a fresh patch that is loaded up to `torque`.
+    fn add(&mut self, curve: &Curve, hold: &Hold, torque: f32, scale: f32, flat: f32) {
         if torque == 0.0 {
             return;
         }
         let z = min(curve.inverse(torque.abs()) / curve.slope_reach(), slip_table::LARGEST_TURN);
-        let hertz = z * curve.slope_reach() * torque.signum() * (1.0 - flat);
+        let hertz = scale * z * curve.slope_reach() * torque.signum() * (1.0 - flat);
         // below the table's first row the rim sticks more and more, up to the whole patch
         let slipping = min(z / slip_table::SMALLEST_TURN, 1.0);
-        let disc = torque / hold.twist_stiffness;
+        let disc = scale * torque / hold.twist_stiffness;
         let stuck = hertz * (1.0 - slipping) + disc * flat;
         self.disc += stuck;
         let mut far = sum(&[(stuck, &FAR_TURNED)]);

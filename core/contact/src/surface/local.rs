@@ -49,15 +49,28 @@ pub(super) fn cubic(c: &[f32; 4], x: f32) -> f32 {
 
 /// Lift of a paraboloid's dent, 1 at the centre and 1/2 at the rim. Integral of `disc` over discs of growing radius.
 pub fn bowl(q: f32) -> f32 {
-    if q <= 1.0 {
-        return 1.0 - 0.5 * q * q;
+    paraboloid(1.0, 1.0, q * q)
+}
+
+/// Dent \[m\] of the paraboloid that has the contact radius `a` \[m\] and the curvature `curvature` = 1/R \[1/m\], at the distance whose square is `r2`:
+/// a^2/R times the bowl.
+pub fn paraboloid(curvature: f32, a: f32, r2: f32) -> f32 {
+    let a2 = a * a;
+    if r2 <= a2 {
+        return curvature * (a2 - 0.5 * r2);
     }
-    let s = 1.0 / q;
-    if s < FAR {
-        let s2 = s * s;
-        return s / PI * (4.0 / 3.0 + s2 * (2.0 / 15.0 + s2 * (3.0 / 70.0 + s2 * (5.0 / 252.0))));
+    let r = root(r2);
+    let ratio = a / r;
+    if ratio < FAR {
+        return curvature * a2 / PI * far_bowl(ratio);
     }
-    ((2.0 - q * q) * asin(s) + root(q * q - 1.0)) / PI
+    curvature / PI * ((2.0 * a2 - r2) * asin(ratio) + a * root(r2 - a2))
+}
+
+/// (2 - 1/s^2) asin s + sqrt(1 - s^2)/s for small s: its series to s^7.
+fn far_bowl(s: f32) -> f32 {
+    let s2 = s * s;
+    s * (4.0 / 3.0 + s2 * (2.0 / 15.0 + s2 * (3.0 / 70.0 + s2 * (5.0 / 252.0))))
 }
 
 /// Displacement around a disc that moves as one, along its motion: (2/pi) asin(a/r).

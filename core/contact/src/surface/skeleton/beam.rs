@@ -37,8 +37,9 @@ pub struct Beam {
     axial: f32,
     /// Slope of the tip by the torque about a level axis, along x and y.
     tilted: Vec2,
-    /// Turn about z at the patch \[rad\].
+    /// Turn about z at the patch \[rad\], by its own torque about itself and by the couple with the other patches about the body's axis.
     twist: f32,
+    couple: f32,
     /// The vertical line about which the patch turns.
     line: Vec2,
     /// Level force over G and the section's width \[m\]; none for round bodies.
@@ -49,9 +50,9 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// The beam that the patch's grip (and, where the body gives along the normal, its load) bends; `base` is the fixed height.
-    /// `None` where there is no body between patch and base.
-    pub fn new(model: &Model<'_>, section: &Section, patch: &Patch, base: f32) -> Option<Self> {
+    /// The beam that the patch's grip (and, where the body gives along the normal, its load) bends; `base` is the fixed height, `middle` the mean place
+    /// of all patches' forces. A single force has no lever arm about it: the patch's compliance holds all of its shift already. `None` where there is no body between patch and base.
+    pub fn new(model: &Model<'_>, section: &Section, patch: &Patch, base: f32, middle: Vec2) -> Option<Self> {
         let place = patch.at_rest();
         let length = place.z - base;
         if length <= 0.0 || patch.footprint.radius <= 0.0 {
@@ -59,6 +60,7 @@ impl Beam {
         }
         let torque = patch.normal * (patch.grip.torque * patch.body.twist);
         let force = patch.to_world(patch.grip.force);
+        let arm = Vec2::new(place.x, place.y) - middle;
         let width = root(section.area);
         let round = is_round(&model.object);
         let per_width = if round { 0.0 } else { 1.0 / (model.material.shear_modulus() * width) };
@@ -71,6 +73,7 @@ impl Beam {
             // a torque about a level axis m tilts the section: slope along x is m_y, along y is -m_x
             tilted: Vec2::new(torque.y, -torque.x),
             twist: torque.z,
+            couple: arm.perp_dot(Vec2::new(force.x, force.y)) * patch.body.twist,
             line: Vec2::new(place.x, place.y),
             rim: Vec2::new(force.x, force.y) * per_width,
             width,
@@ -109,30 +112,32 @@ impl Beam {
             + self.shear * inside
             + self.tilted * (0.5 * inside * t)
             + slope * beyond;
-        let (turn, rim_turn) = self.turn(t);
+        let (share_of_turn, rim_turn) = self.turn(t);
+        let own = self.twist * share_of_turn;
+        let turn = own + self.couple * share_of_turn;
         let free = unheld(t) * self.poisson;
         let strained = if beyond > 0.0 { 0.0 } else { 1.0 };
         Motion {
-            shift: Vec3::new(level.x + turn * self.line.y, level.y - turn * self.line.x, self.axial * inside),
+            shift: Vec3::new(level.x + own * self.line.y, level.y - own * self.line.x, self.axial * inside),
             slope,
             turn,
-            rim_turn,
+            rim_turn: rim_turn.map(|excess| (self.twist + self.couple) * excess),
             curved: (self.bend * (l - inside) + self.tilted * (strained / l)) * free,
             swell: -self.axial * (strained * free),
             rim: Rim::under(self.rim * unheld(t), share(1.0 - positive(l - s) / self.width), self.poisson),
         }
     }
 
-    /// Turn at the height share `t`, and what the middles of the sides and the corners turn more.
+    /// Turn at the height share `t` over the patch's, and what the middles of the sides and the corners turn more.
     ///
     /// A column turns in proportion to height below and levels off above: 1.37 t - 0.37 t^6.
     fn turn(&self, t: f32) -> (f32, [f32; 2]) {
         if self.round {
-            return (self.twist * t * (1.0 + CAP_SHARE) / (t + CAP_SHARE), [0.0; 2]);
+            return (t * (1.0 + CAP_SHARE) / (t + CAP_SHARE), [0.0; 2]);
         }
         let t2 = t * t;
         let t6 = t2 * t2 * t2;
-        (self.twist * (COLUMN_SLOPE * t - (COLUMN_SLOPE - 1.0) * t6), RIM_EXCESS.map(|excess| self.twist * excess * t6))
+        (COLUMN_SLOPE * t - (COLUMN_SLOPE - 1.0) * t6, RIM_EXCESS.map(|excess| excess * t6))
     }
 }
 

@@ -88,17 +88,18 @@ mod tests {
 
     #[test]
     fn estimates_are_as_far_from_finite_elements_as_theory_says() {
-        // C_t G L and C_theta G L^3 at nu = 0.5 (tools/mesh/FEM.md, body.rs)
+        // C_t G L and C_theta G L^3 at nu = 0.5 (tools/mesh/FEM.md, body.rs), and the estimates over them
         let cases = [
-            (ObjectShape::Box { size: Vec3::splat(0.1) }, 0.1, 1.79, 4.75),
-            (ObjectShape::Box { size: Vec3::new(0.05, 0.05, 0.1) }, 0.05, 11.40, 11.73),
-            (ObjectShape::Cylinder { radius: 0.05, height: 0.1 }, 0.05, 1.408, 0.889),
-            (ObjectShape::Cylinder { radius: 0.02, height: 0.08 }, 0.02, 9.42, 2.162),
-            (ObjectShape::Sphere { radius: 0.05 }, 0.05, 2.75, 1.15),
+            (ObjectShape::Box { size: Vec3::splat(0.1) }, 0.1, (1.79, 4.75), (1.00, 1.00)),
+            (ObjectShape::Box { size: Vec3::new(0.05, 0.05, 0.1) }, 0.05, (11.40, 11.73), (0.86, 0.81)),
+            (ObjectShape::Cylinder { radius: 0.05, height: 0.1 }, 0.05, (1.408, 0.889), (0.97, 0.96)),
+            (ObjectShape::Cylinder { radius: 0.02, height: 0.08 }, 0.02, (9.42, 2.162), (0.84, 0.79)),
+            (ObjectShape::Sphere { radius: 0.05 }, 0.05, (2.75, 1.15), (0.59, 1.23)),
         ];
-        for (object, length, drag, twist) in cases {
+        for (object, length, (drag, twist), expected) in cases {
             let found = over_finite_elements(object, length, drag, twist);
-            assert!(found.0<0.0,"{object:?} {found:?}");
+            let off = (found.0 - expected.0).abs().max((found.1 - expected.1).abs());
+            assert!(off < 0.01, "{object:?} {found:?}");
         }
         assert_eq!(
             estimate(

@@ -125,8 +125,9 @@ pub fn stations(model: &Model<'_>, section: &Section, patches: &[Patch]) -> Opti
         let z = base + step * k as f32;
         *station = Station::at_rest(&model.object, section, z);
     }
+    let middle = middle_of_forces(patches);
     for patch in patches {
-        let Some(beam) = Beam::new(model, section, patch, base) else { continue };
+        let Some(beam) = Beam::new(model, section, patch, base, middle) else { continue };
         // the base, station 0, is held
         for (k, station) in stations.iter_mut().enumerate().skip(1) {
             station.motion += beam.motion(step * k as f32);
@@ -134,6 +135,17 @@ pub fn stations(model: &Model<'_>, section: &Section, patches: &[Patch]) -> Opti
     }
     stations.iter_mut().for_each(Station::carry_anchors);
     Some(stations)
+}
+
+/// Mean place of the patches, by the force that each holds \[m\]: forces that are opposed about it make a couple that twists the body.
+fn middle_of_forces(patches: &[Patch]) -> Vec2 {
+    let (mut moment, mut all) = (Vec2::ZERO, 0.0);
+    for patch in patches {
+        let (place, force) = (patch.at_rest(), patch.grip.force.length());
+        moment += Vec2::new(place.x, place.y) * force;
+        all += force;
+    }
+    if all > 0.0 { moment / all } else { Vec2::ZERO }
 }
 
 /// Clamped share of `x` between 0 and 1.
