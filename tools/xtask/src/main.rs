@@ -2,6 +2,9 @@
 #![forbid(unsafe_code)]
 
 mod ci;
+#[path = "../../../tests/support/counts.rs"]
+mod counting;
+mod counts;
 mod demo;
 mod docs;
 mod golden;
@@ -32,6 +35,9 @@ enum Cli {
     /// Builds the core and the wire for a Cortex-M7 without an operating system and looks for an allocator
     #[command(after_help = "Example: cargo xtask m7")]
     M7,
+    /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
+    #[command(after_help = "Example: cargo xtask counts")]
+    Counts,
     /// Compares the curves of the ready scenes in every tier with those that are kept
     #[command(after_help = "Example: cargo xtask golden --accept")]
     Golden {
@@ -53,6 +59,7 @@ fn main() -> ExitCode {
         Cli::Demo { args } => demo::run(&args),
         Cli::Ci => ci::run(),
         Cli::M7 => m7::run(),
+        Cli::Counts => counts::run(),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Docs { .. } => docs::check(),
     };
