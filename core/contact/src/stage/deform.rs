@@ -42,10 +42,10 @@ pub struct Look<'a> {
 
 /// Updates the vertices whose turn it is, to the state that the last tick with the probe at `x_wp` left. Work is bounded by `look.vertices` times
 /// the patches. Vertices beyond the capacity are counted and stay at rest.
-pub fn deform<const PATCHES: usize, const SAMPLES: usize, const VERTICES: usize>(
+pub fn deform<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const VERTICES: usize>(
     model: &Model<'_>,
     params: &Params,
-    state: &State<PATCHES, SAMPLES>,
+    state: &State<PATCHES, SAMPLES, TRACES>,
     x_wp: &Pose<World, ProbeFrame>,
     look: &Look<'_>,
     surface: &mut SurfaceState<VERTICES>,

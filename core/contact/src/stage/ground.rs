@@ -64,7 +64,7 @@ impl Ground {
 }
 
 /// The table that tells what the body adds; a scene's own compliances go before it.
-fn table<'m>(model: &'m Model<'_>) -> Option<&'m Green<'m>> {
+pub fn table<'m>(model: &'m Model<'_>) -> Option<&'m Green<'m>> {
     if model.compliance.is_none() { model.green.as_ref() } else { None }
 }
 

@@ -12,8 +12,8 @@ use crate::profile::{FULLNESS_HERTZ, FULLNESS_PUNCH};
 use crate::tier::Hold;
 use crate::tier::point::curve::Curve;
 
-use super::motion::BodyMotion;
 use super::local::{FAR, FAR_BOWL, FAR_BOWL_ACROSS, FAR_DISC, FAR_DISC_ACROSS, FAR_TURNED};
+use super::motion::BodyMotion;
 use super::slip_table::{self, Row};
 
 /// The field of one patch.
@@ -134,10 +134,8 @@ impl Field {
         let Frame { centre, first, second, normal, radius, .. } = self.frame;
         let rise = |p: Vec3| body.at(p).dot(normal);
         let slope = |along: Vec3| (rise(centre + along * radius) - rise(centre - along * radius)) / (2.0 * radius);
-        self.held = Held {
-            rise: rise(centre) + patch.body.normal * patch.footprint.load,
-            slope: Vec2::new(slope(first), slope(second)),
-        };
+        self.held =
+            Held { rise: rise(centre) + patch.body.normal * patch.footprint.load, slope: Vec2::new(slope(first), slope(second)) };
         self
     }
 }

@@ -42,6 +42,7 @@ pub mod section;
 pub mod skeleton;
 pub mod slip_table;
 mod state;
+pub mod table;
 
 use core::ops::Range;
 
@@ -138,8 +139,8 @@ impl Prepared {
         for (rest, moved) in rest.chunks(BLOCK).zip(moved.chunks_mut(BLOCK)) {
             let mut block = Block::load(rest);
             self.body.add(&mut block);
-            for (field, paper) in &self.fields {
-                field.add(&mut block);
+            for (k, (field, paper)) in self.fields.iter().enumerate() {
+                self.body.add_field(k, field, &mut block);
                 paper.add(field.frame.base, field.frame.height, &mut block);
             }
             block.store(self.base, rest.len(), moved);

@@ -81,8 +81,7 @@ impl Frame {
     #[inline(always)]
     fn place(&self, block: &Block) -> Placed {
         let (c, e, f, n) = (self.centre, self.first, self.second, self.normal);
-        let mut placed =
-            Placed { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inverse: [0.0; BLOCK], any_near: false };
+        let mut placed = Placed { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inverse: [0.0; BLOCK], any_near: false };
         let reach = self.radius / FAR;
         let mut near = 0_u32;
         for i in 0..BLOCK {

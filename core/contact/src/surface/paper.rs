@@ -59,7 +59,11 @@ impl Twist {
         if patch.paper.torque == Vec3::ZERO {
             let Some(section) = Section::of(&model.object) else { return Self::None };
             let torque = -axis.dot((patch.centre - p_wp).cross(patch_force(patch)));
-                        return Self::Body { axis, through: p_wp, per_length: rotation_by_torque(torque, 1.0, shear_modulus, section.polar()) };
+            return Self::Body {
+                axis,
+                through: p_wp,
+                per_length: rotation_by_torque(torque, 1.0, shear_modulus, section.polar()),
+            };
         }
         Self::in_contact(model, params, patch, axis, phi)
     }

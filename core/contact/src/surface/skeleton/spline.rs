@@ -167,7 +167,8 @@ mod tests {
             swell: 0.004,
             ..Motion::default()
         };
-        for object in [ObjectShape::Box { size: Vec3::new(0.1, 0.2, 0.05) }, ObjectShape::Cylinder { radius: 0.05, height: 0.1 }] {
+        for object in [ObjectShape::Box { size: Vec3::new(0.1, 0.2, 0.05) }, ObjectShape::Cylinder { radius: 0.05, height: 0.1 }]
+        {
             let section = Section::of(&object).unwrap();
             let mut station = Station::at_rest(&object, &section, 0.05);
             station.motion = motion;
