@@ -10,6 +10,7 @@ mod docs;
 mod golden;
 mod m7;
 mod m7_image;
+mod pictures;
 mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
@@ -45,6 +46,9 @@ enum Cli {
         #[arg(long)]
         accept: bool,
     },
+    /// Draws the pictures of the ready scenes anew: moments, force and torque over time
+    #[command(after_help = "Example: cargo xtask pictures")]
+    Pictures,
     /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
     #[command(after_help = "Example: cargo xtask docs --check")]
     Docs {
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
         Cli::M7 => m7::run(),
         Cli::Counts => counts::run(),
         Cli::Golden { accept } => golden::run(accept),
+        Cli::Pictures => pictures::run(),
         Cli::Docs { .. } => docs::check(),
     };
     match done {
