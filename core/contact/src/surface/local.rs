@@ -12,16 +12,16 @@ pub(super) const FAR: f32 = 0.3;
 pub(super) const FAR_BOWL: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (15.0 * PI), 3.0 / (70.0 * PI), 5.0 / (252.0 * PI)];
 
 /// Coefficients of s, s^3, s^5, s^7 in `disc`.
-pub(super) const FAR_DISC: [f32; 4] = [2.0 / PI, 1.0 / (3.0 * PI), 3.0 / (20.0 * PI), 5.0 / (56.0 * PI)];
+pub(crate) const FAR_DISC: [f32; 4] = [2.0 / PI, 1.0 / (3.0 * PI), 3.0 / (20.0 * PI), 5.0 / (56.0 * PI)];
 
 /// Coefficients of s, s^3, s^5, s^7 in the far `bowl_across`.
 pub(super) const FAR_BOWL_ACROSS: [f32; 4] = [4.0 / (3.0 * PI), -4.0 / (10.0 * PI), -4.0 / (56.0 * PI), -4.0 / (144.0 * PI)];
 
 /// Coefficients of s, s^3, s^5, s^7 in `disc_across`.
-pub(super) const FAR_DISC_ACROSS: [f32; 4] = [2.0 / PI, -1.0 / PI, -1.0 / (4.0 * PI), -1.0 / (8.0 * PI)];
+pub(crate) const FAR_DISC_ACROSS: [f32; 4] = [2.0 / PI, -1.0 / PI, -1.0 / (4.0 * PI), -1.0 / (8.0 * PI)];
 
 /// Coefficients of s^3, s^5, s^7, s^9 in `turned_disc`.
-pub(super) const FAR_TURNED: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (5.0 * PI), 3.0 / (14.0 * PI), 5.0 / (36.0 * PI)];
+pub(crate) const FAR_TURNED: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (5.0 * PI), 3.0 / (14.0 * PI), 5.0 / (36.0 * PI)];
 
 /// acos(s)/sqrt(1 - s^2) over 0..1 by powers of s, so that pi/2 - sqrt(1 - s^2) times it is asin s to 7e-8. The quotient has no
 /// singularity at s = 1, where acos has one.
@@ -42,7 +42,7 @@ pub(super) fn acos_over_root(s: f32) -> f32 {
 
 /// c_0 + c_1 x + c_2 x^2 + c_3 x^3.
 #[inline(always)]
-pub(super) fn cubic(c: &[f32; 4], x: f32) -> f32 {
+pub(crate) fn cubic(c: &[f32; 4], x: f32) -> f32 {
     c[0] + x * (c[1] + x * (c[2] + x * c[3]))
 }
 
