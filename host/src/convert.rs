@@ -2,17 +2,20 @@
 //!
 //! ```text
 //! BakedScene ──► Scene ──► Core { Model, Params, State, Scratch }          once, may fail with the parameter's name
+//! sections   ──► Table ───┘
 //! PoseReport ──► x_dh ──► x_wp = x_wd * x_dh ──► step ──► wrench in w ──► wrench in d ──► WrenchCommand      every tick
 //! ```
 //! Wire types may hold anything; what goes into the core has been checked here. A pose that is not finite, or whose quaternion is
 //! off unit length by more than [`QUATERNION_TOLERANCE`], is refused and the loop goes on as if none had come.
 
 use haptor_contact as contact;
+use haptor_contact::green::{Green, GreenSpec};
 use haptor_contact::{
     GuardSpec, Input, Invalid, Model, ModelSpec, Params, ParamsSpec, Pose, ProbeFrame, QUATERNION_TOLERANCE, Quat, Vec3, World,
     Wrench,
 };
 use haptor_wire as wire;
+use haptor_wire::sections;
 use haptor_wire::units::{
     NOT_A_NUMBER, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unm_to_newton_metres,
 };
@@ -48,6 +51,17 @@ pub enum SceneError {
         /// What it may say.
         available: &'static str,
     },
+    /// A section's contents are not what its kind says.
+    #[error("section {kind} of the baked scene: {what}; bake the scene anew")]
+    Section {
+        /// The section's kind.
+        kind: u32,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// The scene wants the body's table, and there is none.
+    #[error("model.tier = \"green\": the file carries no table of the body's own Green's function; bake the scene anew")]
+    NoTable,
     /// More samples than there is memory for.
     #[error("model.samples is {0}, the host has memory for 16 to {SAMPLES} a region")]
     Samples(u16),
@@ -60,20 +74,88 @@ pub struct Scene {
     parts: [contact::ProbePart; contact::MAX_PARTS],
     params: ParamsSpec,
     x_wd: Pose<World, DeviceBase>,
+    table: Option<Table>,
+}
+
+/// The body's own Green's function as a file carries it: made before the real-time thread starts, and locked in memory with the rest.
+#[derive(Clone, Debug)]
+struct Table {
+    chart: contact::green::Chart,
+    patch_radius: f32,
+    /// Own moves, then the table.
+    numbers: Vec<f32>,
+    /// How many of them are own moves.
+    own: usize,
+}
+
+/// Numbers of a table's section before the own moves.
+const TABLE_HEAD: usize = 8;
+
+impl Table {
+    fn new(contents: &[u8]) -> Result<Self, SceneError> {
+        let wrong = |what| SceneError::Section { kind: sections::GREEN, what };
+        let mut numbers = sections::numbers(contents).ok_or_else(|| wrong("its length is no multiple of four"))?;
+        let mut head = [0.0; TABLE_HEAD];
+        for slot in &mut head {
+            *slot = numbers.next().ok_or_else(|| wrong("it ends within its head"))?;
+        }
+        let [x, y, z, hx, hy, hz, patch_radius, nodes] = head;
+        let per_edge =
+            [3_u8, 5, 7, 9].into_iter().find(|&n| f32::from(n) == nodes).ok_or_else(|| wrong("3, 5, 7 or 9 nodes an edge"))?;
+        let chart = contact::green::Chart {
+            centre: Vec3::new(x, y, z),
+            half_size: Vec3::new(hx, hy, hz),
+            per_edge: usize::from(per_edge),
+        };
+        let table = Self { chart, patch_radius, own: contact::green::BLOCK * chart.places(), numbers: numbers.collect() };
+        if table.numbers.len() < table.own {
+            return Err(wrong("it ends within the own moves"));
+        }
+        table.green()?;
+        Ok(table)
+    }
+
+    fn green(&self) -> Result<Green<'_>, Invalid> {
+        let (own, table) = self.numbers.split_at(self.own);
+        Green::new(&GreenSpec { chart: self.chart, patch_radius: self.patch_radius, own, table })
+    }
 }
 
 impl Scene {
-    /// Checks a baked scene by making the core's model and parameters from it.
+    /// Reads and checks the file of a baked scene, with what it carries behind the scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first thing that does not pass.
+    pub fn read(file: &[u8]) -> Result<Self, SceneError> {
+        let baked = wire::scene_file::decode_file(file)?;
+        let mut table = None;
+        for section in wire::scene_file::sections(file)? {
+            let section = section?;
+            if section.kind == sections::GREEN {
+                table = Some(Table::new(section.contents)?);
+            }
+        }
+        Self::with_table(&baked, table)
+    }
+
+    /// Checks a baked scene that carries no data by making the core's model and parameters from it.
     ///
     /// # Errors
     /// [`SceneError`] names the first key or value that does not pass.
     pub fn new(baked: &BakedScene) -> Result<Self, SceneError> {
+        Self::with_table(baked, None)
+    }
+
+    fn with_table(baked: &BakedScene, table: Option<Table>) -> Result<Self, SceneError> {
         let mut parts = [contact::ProbePart::at_origin(contact::ProbeShape::Sphere { radius: 0.0 }); contact::MAX_PARTS];
         for (part, from) in parts.iter_mut().zip(baked.probe.as_slice()) {
             *part = probe_part(from);
         }
         let x_wd = Pose::new(Vec3::from_array(baked.place.p_wd), quaternion(baked.place.q_wd).ok_or_else(place_rotation)?);
-        let scene = Self { baked: *baked, parts, params: params_spec(baked)?, x_wd };
+        if baked.tier == wire::Tier::Green && table.is_none() {
+            return Err(SceneError::NoTable);
+        }
+        let scene = Self { baked: *baked, parts, params: params_spec(baked)?, x_wd, table };
         scene.core()?;
         Ok(scene)
     }
@@ -84,7 +166,7 @@ impl Scene {
     /// [`SceneError::Value`], which [`Self::new`] has ruled out.
     pub fn core(&self) -> Result<Core<'_>, SceneError> {
         Ok(Core {
-            model: Model::new(&self.model_spec())?,
+            model: Model::new(&self.model_spec()?)?,
             asked: (self.baked.guard, self.baked.coupling),
             spec: self.params,
             params: Params::new(&self.params)?,
@@ -94,18 +176,19 @@ impl Scene {
         })
     }
 
-    fn model_spec(&self) -> ModelSpec<'_> {
+    fn model_spec(&self) -> Result<ModelSpec<'_>, Invalid> {
         let baked = &self.baked;
         let material =
             contact::Material { young_modulus: baked.young_modulus, poisson_ratio: baked.poisson_ratio, density: baked.density };
         let compliance = baked.compliance.map(|c| contact::Compliance { normal: c.normal, drag: c.drag, twist: c.twist });
-        ModelSpec {
+        Ok(ModelSpec {
             fixed_below: Some(baked.fixed_below),
             compliance,
+            green: self.table.as_ref().map(Table::green).transpose()?,
             mass: baked.mass,
             paper_length: baked.paper_length,
             ..ModelSpec::new(object_shape(&baked.object), material, &self.parts[..baked.probe.as_slice().len()])
-        }
+        })
     }
 }
 
@@ -155,7 +238,7 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
         friction_dynamic: baked.friction_dynamic,
         region_distance: baked.region_distance,
         max_regions: usize::from(baked.max_regions),
-        tier: tier_to_core(baked.tier)?,
+        tier: tier_to_core(baked.tier),
         samples: usize::from(baked.samples),
         sweeps: usize::from(baked.sweeps),
         breakaway: match baked.breakaway {
@@ -236,16 +319,13 @@ const fn lower_limits(scene: &GuardSpec, other: &GuardSpec) -> GuardSpec {
     }
 }
 
-fn tier_to_core(tier: wire::Tier) -> Result<contact::Tier, SceneError> {
+const fn tier_to_core(tier: wire::Tier) -> contact::Tier {
     match tier {
-        wire::Tier::Point => Ok(contact::Tier::Point),
-        wire::Tier::Paper => Ok(contact::Tier::Paper),
-        wire::Tier::Bristle => Ok(contact::Tier::Bristle),
-        wire::Tier::Influence => Ok(contact::Tier::Influence),
-        wire::Tier::Green => {
-            let available = "point, paper, bristle, influence";
-            Err(SceneError::NotAvailable { key: "model.tier", value: tier.name(), available })
-        }
+        wire::Tier::Point => contact::Tier::Point,
+        wire::Tier::Paper => contact::Tier::Paper,
+        wire::Tier::Bristle => contact::Tier::Bristle,
+        wire::Tier::Influence => contact::Tier::Influence,
+        wire::Tier::Green => contact::Tier::Green,
     }
 }
 
@@ -437,7 +517,7 @@ mod tests {
         type Spoil = fn(&mut BakedScene);
         let table: [(Spoil, &str); 13] = [
             (|s| s.tier = wire::Tier::Influence, "52 or 112 for tiers influence and green"),
-            (|s| s.tier = wire::Tier::Green, "available: point, paper, bristle, influence"),
+            (|s| s.tier = wire::Tier::Green, "carries no table"),
             (|s| s.coupling = with(|c| c.translational_stiffness = Some(0.0)), "coupling.translational_stiffness"),
             (|s| s.coupling = with(|c| c.rotational_damping = Some(f32::NAN)), "coupling.rotational_damping"),
             (|s| s.coupling = with(|c| c.max_force = f32::NAN), "coupling.max_force"),
@@ -457,6 +537,68 @@ mod tests {
             assert!(text.contains(named), "{text} lacks {named}");
         }
         Scene::new(&baked()).unwrap();
+    }
+
+    /// A file of the ball on a cube in tier `green`, with a section of these numbers.
+    fn file(numbers: &[f32]) -> Vec<u8> {
+        let mut scene = baked();
+        scene.object = wire::ObjectShape::Box { size: [0.1; 3] };
+        (scene.tier, scene.samples) = (wire::Tier::Green, 52);
+        let mut file = vec![0; wire::scene_file::FILE_MAX];
+        let length = wire::scene_file::encode_file(&scene, &mut file).unwrap();
+        file.truncate(length);
+        let contents: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let mut section = vec![0; contents.len() + sections::SECTION_OVERHEAD];
+        sections::encode_section(sections::GREEN, &contents, &mut section).unwrap();
+        [file, section].concat()
+    }
+
+    /// A table of 26 places whose loads move nothing but themselves, by `own` along x.
+    fn table(own: f32) -> Vec<f32> {
+        let mut numbers = vec![0.0, 0.0, 0.05, 0.05, 0.05, 0.05, 0.005, 3.0];
+        for _ in 0..26 {
+            numbers.extend([own].into_iter().chain([0.0; 15]));
+        }
+        numbers.extend(vec![0.0; (4 * 26) * (4 * 26)]);
+        numbers
+    }
+
+    #[test]
+    fn a_table_behind_the_scene_reaches_the_core() {
+        let dragged = |own: f32| {
+            let scene = Scene::read(&file(&table(own))).unwrap();
+            let mut core = scene.core().unwrap();
+            let mut felt = None;
+            for x in [0.0, 0.0, 1.0e-4] {
+                felt = Some(core.step(&handle_pose(&report([x, 0.0, 0.119], [1.0, 0.0, 0.0, 0.0])).unwrap(), 1.0e-3));
+            }
+            let felt = felt.unwrap();
+            assert_eq!(felt.tier, wire::Tier::Green);
+            felt.contact_force[0].abs()
+        };
+        // 1e-4 m/N beside about 4e-5 m/N of the contact itself
+        assert!(dragged(1.0e-4) < 0.6 * dragged(0.0), "{} {}", dragged(1.0e-4), dragged(0.0));
+    }
+
+    #[test]
+    fn a_table_that_does_not_fit_is_named() {
+        let good = table(0.0);
+        let mut odd = good.clone();
+        odd[7] = 4.0;
+        let mut endless = good.clone();
+        endless[100] = f32::NAN;
+        let cases: [(&[f32], &str); 5] = [
+            (&good[..7], "within its head"),
+            (&good[..100], "within the own moves"),
+            (&good[..good.len() - 1], "green.table (length)"),
+            (&odd, "nodes an edge"),
+            (&endless, "green.table"),
+        ];
+        for (numbers, named) in cases {
+            let text = Scene::read(&file(numbers)).unwrap_err().to_string();
+            assert!(text.contains(named), "{text} lacks {named}");
+        }
+        Scene::read(&file(&good)).unwrap();
     }
 
     fn hello(max_force_un: u32, max_torque_unm: u32) -> DeviceHello {

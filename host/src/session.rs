@@ -69,8 +69,7 @@ fn read_scene(config: &Config) -> Result<(Scene, u64), HostError> {
     let path = &config.model;
     let bytes = fs::read(path).map_err(|reason| HostError::File { doing: "read the baked scene", path: path.clone(), reason })?;
     let bad = |reason: SceneError| HostError::Scene { path: path.clone(), reason };
-    let baked = scene_file::decode_file(&bytes).map_err(|error| bad(error.into()))?;
-    Ok((Scene::new(&baked).map_err(bad)?, scene_file::digest(&bytes)))
+    Ok((Scene::read(&bytes).map_err(bad)?, scene_file::digest(&bytes)))
 }
 
 fn header(config: &Config, scene_digest: u64) -> RecordHeader {

@@ -43,6 +43,13 @@ pub struct Case {
     friction: f32,
     /// Turn \[rad\] or shift \[m\].
     amount: f32,
+    /// Of two legs: distance from the axis \[m\], and what each holds when turned by the amount \[N, N m\].
+    #[serde(default)]
+    offset: f32,
+    #[serde(default)]
+    force: f32,
+    #[serde(default)]
+    torque: f32,
     points: Vec<(String, f32, f32, f32, f32, f32, f32)>,
 }
 
@@ -82,6 +89,7 @@ fn compare(case: &Case, tier: Tier) -> Vec<Found> {
     let unit = match case.motion.as_str() {
         "press" => case.depth,
         "bonded drag" => case.amount,
+        "bonded legs" => (case.offset + case.radius) * case.amount,
         _ => case.radius * case.amount,
     };
     let mut worst: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
@@ -98,6 +106,8 @@ fn compare(case: &Case, tier: Tier) -> Vec<Found> {
     let kind = |place: &str| format!("{} | {} | {} | {poisson} | {place}", case.source, case.body, case.motion);
     let label = if case.source == "B2" || case.source == "B5" {
         format!("depth {:.0} mm, {:.0} deg", 1.0e3 * case.depth, case.amount.to_degrees())
+    } else if case.offset > 0.0 {
+        format!("legs {:.0} mm off", 1.0e3 * case.offset)
     } else {
         format!("radius {:.0} mm", 1.0e3 * case.radius)
     };
@@ -118,47 +128,72 @@ fn play(case: &Case, tier: Tier) -> Played {
         "cube" => ObjectShape::Box { size: Vec3::splat(0.1) },
         _ => ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) },
     };
-    let punch = ProbeShape::Cylinder { radius: case.radius, height: 0.04 };
-    let part = [ProbePart::at_origin(if bonded { punch } else { ProbeShape::Sphere { radius: SPHERE } })];
+    let parts = parts(case, &object);
     let material = Material { young_modulus: YOUNG, poisson_ratio: case.poisson, density: 1100.0 };
-    let model = Model::new(&ModelSpec::new(object, material, &part)).expect("a valid scene");
+    let model = Model::new(&ModelSpec::new(object, material, &parts)).expect("a valid scene");
     let friction = if bonded { BOND } else { case.friction };
     let spec = ParamsSpec { tier, samples: 64, friction_dynamic: friction, ..ParamsSpec::default() };
     let params = Params::new(&spec).expect("valid parameters");
-    let (mut state, mut scratch) = (Box::new(State::<1, MAX_BRISTLES, MAX_BRISTLES>::new()), Scratch::<1>::new());
+    let (mut state, mut scratch) = (Box::new(State::<2, MAX_BRISTLES, MAX_BRISTLES>::new()), Scratch::<2>::new());
     let depth = if bonded { LAID_ON } else { case.depth };
     let place = Vec3::Z * (object.height() + SPHERE - depth);
     let mut tick = |rotation: Quat| {
         let input = Input { pose: Pose::new(place, rotation), dt: 1.0e-2 };
         step(&model, &params, &mut state, &mut scratch, input);
-        state.patches()[0]
+        state.patches().to_vec()
     };
     let rest: Vec<Vec3> = case.points.iter().map(|p| Vec3::new(p.1, p.2, p.3)).collect();
-    let moved = |patch: Patch| {
+    let moved = |patches: &[Patch]| {
         let mut moved = vec![Vec3::ZERO; rest.len()];
-        Surface { model: &model, params: &params, patches: &[patch], p_wp: place, body: true }.update(&rest, &mut moved);
+        Surface { model: &model, params: &params, patches, p_wp: place, body: true }.update(&rest, &mut moved);
         moved
     };
-    let mut patch = tick(Quat::IDENTITY);
+    // one patch is born per tick
+    let mut patches = tick(Quat::IDENTITY);
+    parts.iter().skip(1).for_each(|_| patches = tick(Quat::IDENTITY));
+    assert_eq!(patches.len(), parts.len());
     if bonded {
-        patch.footprint.radius = case.radius;
-        patch.footprint.fullness = profile::FULLNESS_PUNCH;
-        // enough load that a unit of motion is far from slip
-        patch.footprint.load = 1.0e6;
+        for patch in &mut patches {
+            patch.footprint.radius = case.radius;
+            patch.footprint.fullness = profile::FULLNESS_PUNCH;
+            // enough load that a unit of motion is far from slip
+            patch.footprint.load = 1.0e6;
+        }
     }
-    let before = moved(patch);
+    let before = moved(&patches);
     if bonded {
-        bond(case, &mut patch, material.shear_modulus());
+        patches.iter_mut().for_each(|patch| bond(case, patch, material.shear_modulus()));
     } else {
-        (1..=TICKS).for_each(|i| patch = tick(Quat::from_rotation_z(case.amount * i as f32 / TICKS as f32)));
+        (1..=TICKS).for_each(|i| patches = tick(Quat::from_rotation_z(case.amount * i as f32 / TICKS as f32)));
     }
-    Played { before, after: moved(patch), radius: patch.footprint.radius }
+    Played { before, after: moved(&patches), radius: patches[0].footprint.radius }
+}
+
+/// The probe: a disc or a ball in the middle, or two balls where the legs of a compass stand.
+fn parts(case: &Case, object: &ObjectShape) -> Vec<ProbePart> {
+    if let ObjectShape::Ellipsoid { semi_axes } = *object
+        && case.offset > 0.0
+    {
+        let share = case.offset / semi_axes.x;
+        let top = Vec3::new(case.offset, 0.0, semi_axes.z * (1.0 - share * share).sqrt());
+        let normal = (top / (semi_axes * semi_axes)).normalize();
+        // in the probe's frame, whose origin is a ball's radius less the depth above the pole
+        let centre = top + normal * (SPHERE - LAID_ON) - Vec3::Z * (semi_axes.z + SPHERE - LAID_ON);
+        let leg = |position: Vec3| ProbePart { position, ..ProbePart::at_origin(ProbeShape::Sphere { radius: SPHERE }) };
+        return vec![leg(centre), leg(centre.with_x(-centre.x))];
+    }
+    let punch = ProbeShape::Cylinder { radius: case.radius, height: 0.04 };
+    let bonded = case.motion.starts_with("bonded");
+    vec![ProbePart::at_origin(if bonded { punch } else { ProbeShape::Sphere { radius: SPHERE } })]
 }
 
 /// Gives the patch the grip of a bonded disc that moved by the case's amount: 1/K = 1/K_local + C.
 fn bond(case: &Case, patch: &mut Patch, g: f32) {
     let a = case.radius;
-    if case.motion == "bonded drag" {
+    if case.offset > 0.0 {
+        patch.grip.force = patch.to_patch(Vec3::Y * (case.force * patch.centre.x.signum()));
+        patch.grip.torque = case.torque;
+    } else if case.motion == "bonded drag" {
         let local = (2.0 - case.poisson) / (8.0 * g * a);
         patch.grip.force = patch.to_patch(Vec3::X * (case.amount / (local + patch.body.drag)));
         patch.grip.torque = 0.0;
@@ -199,8 +234,9 @@ const INTRODUCTION: &str = "\
 Written by `cargo run --release -p haptor-tests --bin accuracy -- -o tests/bench/ACCURACY.md`; the gates are in `tests/it/surface.rs`.
 
 Truth: finite elements (`tests/truth/surface_fields.json`), rubber of 3 MPa, a cube of 0.1 m edges and an ellipsoid of semi-axes 60, 50, 40 mm. B1, B4: bonded disc,
-twisted and dragged on the cube's top; B2, B5: sphere of 20 mm pressed, then twisted with Coulomb friction; B3: bonded disc twisted on the ellipsoid's pole. An error is the
-largest distance between the two displacements over a case's points, in per cent of the motion: of the depth (press), of radius x turn (twist), of the shift (drag). \"Along\" is the part
+twisted and dragged on the cube's top; B2, B5: sphere of 20 mm pressed, then twisted with Coulomb friction; B3: bonded disc twisted on the ellipsoid's pole, and a compass of two
+bonded legs turned about the axis, which hold what finite elements found. An error is the
+largest distance between the two displacements over a case's points, in per cent of the motion: of the depth (press), of radius x turn (twist; of the outermost point of the legs), of the shift (drag). \"Along\" is the part
 along z of a dent and the level part of a twist or drag; \"whole\" is the whole vector. The worst case of each line is named. On bonded discs the tiers do not differ; `paper`
 is shown where its own twisting equations (10) to (13) act.
 ";

@@ -15,6 +15,7 @@ fn every_command_has_help_with_an_example() {
         &["bake"],
         &["run"],
         &["view"],
+        &["plot"],
         &["trajectory"],
         &["trajectory", "press-twist-slide"],
         &["trajectory", "moves"],

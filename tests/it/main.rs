@@ -7,6 +7,7 @@ mod bits;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;
+mod counts;
 mod demo_drills;
 mod determinism;
 mod device_demo;

@@ -45,25 +45,32 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32
     }
 }
 
-/// What patches share at a patch with centre `p_wc`, outward normal `n` and mean radius of curvature `r`: drag compliance beyond the closed form that the
-/// curvature gives, and turn about the body's vertical axis per torque about it.
-pub fn common(model: &Model<'_>, p_wc: Vec3, n: Vec3, r: f32) -> (f32, f32) {
+/// Drag compliance that patches share at a patch with centre `p_wc`, outward normal `n` and mean curvature `curvature`: what is beyond the closed form that the curvature gives.
+pub fn shared_drag(model: &Model<'_>, p_wc: Vec3, n: Vec3, curvature: f32) -> f32 {
     let far = match model.object {
-        ObjectShape::HalfSpace => return (0.0, 0.0),
+        ObjectShape::HalfSpace => return 0.0,
         ObjectShape::Box { size } => root(size.x * size.y),
         ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => 2.0 * radius,
         ObjectShape::Ellipsoid { semi_axes } => 2.0 * root(semi_axes.x * semi_axes.y),
     };
-    let bent = bent_drag(1.0 / r, model.material.poisson_ratio, SPACING * far) / (2.0 * model.material.shear_modulus());
-    let drag = max(compliance(model, p_wc, n, SPACING * far, 1.0 / r).drag - bent, 0.0);
-    (
-        drag,
-        if n.z >= LEVEL {
-            compliance(model, p_wc, n, 0.0, 1.0 / r).twist
-        } else {
-            compliance(model, p_wc, Vec3::Z, 0.0, 1.0 / r).twist
-        },
-    )
+    let bent = bent_drag(curvature, model.material.poisson_ratio, SPACING * far) / (2.0 * model.material.shear_modulus());
+    max(compliance(model, p_wc, n, SPACING * far, curvature).drag - bent, 0.0)
+}
+
+/// Turn of the body about its vertical axis, at the height of `p_wc`, per torque about it \[rad/(N m)\].
+pub fn torsion(model: &Model<'_>, p_wc: Vec3) -> f32 {
+    if let Some(given) = model.compliance {
+        return given.twist;
+    }
+    let g = model.material.shear_modulus();
+    let height = max(p_wc.z - model.fixed_below, 0.0);
+    match model.object {
+        ObjectShape::HalfSpace => 0.0,
+        ObjectShape::Box { size } => box_twist(size, height, g),
+        ObjectShape::Cylinder { radius, .. } => cylinder_twist(radius, height, g),
+        ObjectShape::Sphere { radius } => round_twist(Vec3::splat(radius), height, g),
+        ObjectShape::Ellipsoid { semi_axes } => round_twist(semi_axes, height, g),
+    }
 }
 
 /// Distance at which the drag compliance that patches share is taken, as a share of the body's width: a patch of this radius has its traction that far apart.
@@ -201,20 +208,25 @@ fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
     let overlap = 1.0 - OVERLAP * ratio * ratio;
     let drag = |h: f32| column_drag(&SQUARE_DRAG, 2.0 / (1.0 + nu), nu, h);
     let calibrated = (1.79 + (0.5 - nu)) / drag(1.0) * drag(h) * overlap / (g * b);
-    let twist = max(7.088 * h - SQUARE_TWIST_OFF, 0.0) / (g * b * b * b);
-    Compliance {
-        normal: 0.0,
-        drag: calibrated * lateral(&beam, g, nu) / lateral(&square, g, nu),
-        twist: twist * square.torsion / beam.torsion,
-    }
+    let drag = calibrated * lateral(&beam, g, nu) / lateral(&square, g, nu);
+    Compliance { normal: 0.0, drag, twist: box_twist(size, height, g) }
+}
+
+fn box_twist(size: Vec3, height: f32, g: f32) -> f32 {
+    let b = root(size.x * size.y);
+    let square = box_beam(Vec3::new(b, b, size.z), height).torsion;
+    max(7.088 * height / b - SQUARE_TWIST_OFF, 0.0) / (g * b * b * b) * square / box_beam(size, height).torsion
 }
 
 /// Top of an upright cylinder; C_theta G R^3 = 2/pi h/R - 0.385 within 0.1 % of finite elements for h >= R.
 fn top_of_cylinder(radius: f32, height: f32, g: f32, nu: f32) -> Compliance {
     let h = height / radius;
     let drag = column_drag(&CYLINDER_DRAG, 4.0 / (6.0 * PI * (1.0 + nu)), nu, h);
-    let twist = max(2.0 / PI * h - 0.385, 0.0);
-    Compliance { normal: 0.0, drag: drag / (g * radius), twist: twist / (g * radius * radius * radius) }
+    Compliance { normal: 0.0, drag: drag / (g * radius), twist: cylinder_twist(radius, height, g) }
+}
+
+fn cylinder_twist(radius: f32, height: f32, g: f32) -> f32 {
+    max(2.0 / PI * height / radius - 0.385, 0.0) / (g * radius * radius * radius)
 }
 
 /// Share of the cantilever's figures that finite elements find on the side of a cube at mid height: lateral along the normal, mean of lateral and
@@ -246,17 +258,21 @@ const ROUND_HEIGHT: f32 = 1.75;
 fn of_round(semi_axes: Vec3, height: f32, g: f32, nu: f32, n: Vec3, a: f32) -> Compliance {
     let beam = ellipse_beam(semi_axes.x, semi_axes.y, height);
     let full = ellipse_beam(semi_axes.x, semi_axes.y, ROUND_HEIGHT * semi_axes.z);
-    // sphere: length 1.75 R over torsion constant pi R^4 / 2
-    let share = SPHERE_TWIST * PI / (2.0 * ROUND_HEIGHT);
     let drag = 0.5
         * (round_drag(semi_axes.x, semi_axes.y, semi_axes.z, nu, a) + round_drag(semi_axes.y, semi_axes.x, semi_axes.z, nu, a))
         / g;
     let top = Compliance {
         normal: 0.0,
         drag: drag * lateral(&beam, g, nu) / lateral(&full, g, nu),
-        twist: share * beam.length / (g * beam.torsion),
+        twist: round_twist(semi_axes, height, g),
     };
     between(top, side(&beam, g, nu), n)
+}
+
+fn round_twist(semi_axes: Vec3, height: f32, g: f32) -> f32 {
+    // sphere: length 1.75 R over torsion constant pi R^4 / 2
+    let share = SPHERE_TWIST * PI / (2.0 * ROUND_HEIGHT);
+    share * height / (g * ellipse_beam(semi_axes.x, semi_axes.y, height).torsion)
 }
 
 /// C_t G of an ellipsoid held below an eighth of its height, dragged along the semi-axis `p` by a patch of radius `a` on its top: bending of the whole

@@ -80,6 +80,7 @@ pub use params::{Breakaway, ForceLaw, Params, ParamsSpec, Tier};
 pub use patch::{Grip, Motion, Patch, Shift};
 pub use report::{Flags, PatchReport, Report};
 pub use scratch::Scratch;
+pub use stage::deform::{Look, deform};
 pub use state::State;
 pub use step::{Input, Output, patch_report, step};
 pub use wrench::Wrench;

@@ -49,6 +49,7 @@ pub mod recording;
 pub mod scene;
 pub mod scene_file;
 pub mod schema;
+pub mod sections;
 pub mod status;
 pub mod units;
 

@@ -1,23 +1,28 @@
 //! The file of a baked scene.
 //!
 //! ```text
-//! "HAPTORM1" | version u16 | fingerprint u32 | n u32 | n bytes of postcard | CRC-32 of all before, u32        little endian
+//! "HAPTORM2" | version u16 | fingerprint u32 | n u32 | n bytes of postcard | CRC-32 of all before, u32        little endian
 //! ```
-//! Magic and version come first and are checked first, so that a file of another version is called that and not damaged.
+//! Magic and version come first and are checked first, so that a file of another version is called that and not damaged. Behind the scene there may
+//! be data in [`sections`](crate::sections).
 
 use core::fmt;
 
 use crate::frame::{CRC_BYTES, CRC32, FrameError};
 use crate::scene::{BakedScene, MAX_PARTS};
 use crate::schema::{PROTOCOL_VERSION, TOOL_SCHEMA_HASH, VersionMismatch, check_tool_version};
+use crate::sections::Sections;
 
 /// The first bytes of every baked scene.
-pub const MAGIC: [u8; 8] = *b"HAPTORM1";
+pub const MAGIC: [u8; 8] = *b"HAPTORM2";
 
 /// Bytes before the scene itself.
 const HEADER_BYTES: usize = MAGIC.len() + 2 + 4 + 4;
 
-/// Bytes of a file at most.
+/// The magic of files baked before there were sections: told apart from what is no baked scene at all.
+const OLD_MAGIC: [u8; 8] = *b"HAPTORM1";
+
+/// Bytes of a file's scene at most; sections follow it.
 pub const FILE_MAX: usize = HEADER_BYTES + BakedScene::MAX_ENCODED + CRC_BYTES;
 
 /// Why bytes are not a baked scene.
@@ -43,12 +48,37 @@ pub enum SceneFileError {
     },
     /// The checksum agrees, but the bytes are no scene.
     Contents,
+    /// It was baked before there were sections.
+    Old,
+    /// A section ends early.
+    SectionCut {
+        /// Bytes there are.
+        found: usize,
+        /// Bytes there should be.
+        expected: usize,
+    },
+    /// A section is longer than any may be, or there are too many.
+    SectionSize {
+        /// Its kind.
+        kind: u32,
+        /// Its length.
+        length: usize,
+    },
+    /// A section is damaged.
+    SectionCrc {
+        /// Its kind.
+        kind: u32,
+        /// What the bytes give.
+        computed: u32,
+        /// What the file says.
+        received: u32,
+    },
 }
 
 impl fmt::Display for SceneFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::BadMagic => f.write_str("not a baked scene: it does not begin with HAPTORM1"),
+            Self::BadMagic => f.write_str("not a baked scene: it does not begin with HAPTORM2"),
             Self::Version(mismatch) => write!(f, "{mismatch}; bake the scene anew"),
             Self::Truncated { found, expected } => {
                 write!(f, "the baked scene ends after {found} of {expected} bytes")
@@ -57,6 +87,17 @@ impl fmt::Display for SceneFileError {
                 write!(f, "the baked scene is damaged: checksum {received:08x}, its bytes give {computed:08x}")
             }
             Self::Contents => f.write_str("the baked scene's bytes are no scene"),
+            Self::Old => f.write_str("a baked scene of an older format, HAPTORM1; bake the scene anew"),
+            Self::SectionCut { found, expected } => {
+                write!(f, "the baked scene's data ends after {found} of {expected} bytes of a section")
+            }
+            Self::SectionSize { kind, length } => {
+                let (many, long) = (crate::sections::MAX_SECTIONS, crate::sections::MAX_SECTION);
+                write!(f, "section {kind} of the baked scene, {length} bytes: at most {many} sections of {long} bytes")
+            }
+            Self::SectionCrc { kind, computed, received } => {
+                write!(f, "section {kind} of the baked scene is damaged: checksum {received:08x}, its bytes give {computed:08x}")
+            }
         }
     }
 }
@@ -85,12 +126,30 @@ pub fn encode_file(scene: &BakedScene, out: &mut [u8]) -> Result<usize, FrameErr
     Ok(checked + CRC_BYTES)
 }
 
-/// Reads a file.
+/// Reads a file's scene, and checks its sections.
 ///
 /// # Errors
-/// [`SceneFileError`]; bytes left over, or more than [`MAX_PARTS`] parts, are `Contents`.
+/// [`SceneFileError`]; more than [`MAX_PARTS`] parts are `Contents`.
 pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
+    let (scene, rest) = split(file)?;
+    Sections::new(rest).try_for_each(|section| section.map(|_| ()))?;
+    Ok(scene)
+}
+
+/// The sections behind a file's scene, checked one by one.
+///
+/// # Errors
+/// [`SceneFileError`] as [`decode_file`] says of the scene.
+pub fn sections(file: &[u8]) -> Result<Sections<'_>, SceneFileError> {
+    split(file).map(|(_, rest)| Sections::new(rest))
+}
+
+/// The scene, and the bytes behind it.
+fn split(file: &[u8]) -> Result<(BakedScene, &[u8]), SceneFileError> {
     let truncated = |expected| SceneFileError::Truncated { found: file.len(), expected };
+    if file.starts_with(&OLD_MAGIC) {
+        return Err(SceneFileError::Old);
+    }
     if !file.iter().zip(&MAGIC).all(|(a, b)| a == b) || file.is_empty() {
         return Err(SceneFileError::BadMagic);
     }
@@ -102,7 +161,7 @@ pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
     // a length that does not fit a usize cannot be there
     let length = usize::try_from(u32::from_le_bytes([n0, n1, n2, n3])).unwrap_or(usize::MAX);
     let expected = length.saturating_add(HEADER_BYTES + CRC_BYTES);
-    let whole = file.get(..expected).ok_or_else(|| truncated(expected))?;
+    let (whole, rest) = file.split_at_checked(expected).ok_or_else(|| truncated(expected))?;
     let (checked, crc) = whole.split_last_chunk::<CRC_BYTES>().ok_or(SceneFileError::Contents)?;
     let (computed, received) = (CRC32.checksum(checked), u32::from_le_bytes(*crc));
     if computed != received {
@@ -110,7 +169,7 @@ pub fn decode_file(file: &[u8]) -> Result<BakedScene, SceneFileError> {
     }
     let body = checked.get(HEADER_BYTES..).unwrap_or(&[]);
     match postcard::take_from_bytes::<BakedScene>(body) {
-        Ok((scene, [])) if usize::from(scene.probe.count) <= MAX_PARTS && file.len() == expected => Ok(scene),
+        Ok((scene, [])) if usize::from(scene.probe.count) <= MAX_PARTS => Ok((scene, rest)),
         _ => Err(SceneFileError::Contents),
     }
 }
@@ -157,7 +216,7 @@ mod tests {
                 bad[at] ^= 1 << bit;
                 let error = decode_file(&bad).unwrap_err();
                 let named = match at {
-                    0..8 => error == SceneFileError::BadMagic,
+                    0..8 => matches!(error, SceneFileError::BadMagic | SceneFileError::Old),
                     8..14 => matches!(error, SceneFileError::Version(_)),
                     14..18 => matches!(error, SceneFileError::Truncated { .. } | SceneFileError::Crc { .. }),
                     _ => matches!(error, SceneFileError::Crc { .. }),
@@ -165,6 +224,13 @@ mod tests {
                 assert!(named, "byte {at} bit {bit}: {error:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_file_of_the_older_format_is_called_that() {
+        let mut file = baked();
+        file[7] = b'1';
+        assert_eq!(decode_file(&file), Err(SceneFileError::Old));
     }
 
     #[test]
@@ -180,7 +246,7 @@ mod tests {
     fn bytes_left_over_and_too_many_parts_are_refused() {
         let mut longer = baked();
         longer.push(0);
-        assert_eq!(decode_file(&longer), Err(SceneFileError::Contents));
+        assert_eq!(decode_file(&longer), Err(SceneFileError::SectionCut { found: 1, expected: 12 }));
 
         let mut scene = scene();
         scene.probe.count = 17;

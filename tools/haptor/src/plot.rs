@@ -23,6 +23,9 @@ pub struct Curve {
 /// Size of a picture \[pixels\].
 const SIZE: (u32, u32) = (1200, 640);
 
+/// Height of a panel among others \[pixels\].
+const PANEL_HEIGHT: u32 = 400;
+
 /// Most points drawn of a curve: some twenty per column of pixels; more would draw the same picture.
 const MAX_POINTS: usize = 20_000;
 
@@ -51,11 +54,42 @@ pub fn draw(path: &Path, title: &str, unit_label: &str, curves: &[Curve]) -> any
     paint(path, title, unit_label, curves).map_err(|error| anyhow!("{error}")).with_context(|| format!("{}", path.display()))
 }
 
+/// A quantity in a panel of its own: its label with the unit, its curves.
+pub type Panel = (&'static str, Vec<Curve>);
+
+/// Draws panels under each other, each over the same time, into a PNG file.
+///
+/// # Errors
+/// When the picture cannot be drawn or written.
+pub fn draw_panels(path: &Path, title: &str, panels: &[Panel]) -> anyhow::Result<()> {
+    fonts()?;
+    paint_panels(path, title, panels).map_err(|error| anyhow!("{error}")).with_context(|| format!("{}", path.display()))
+}
+
+fn paint_panels(path: &Path, title: &str, panels: &[Panel]) -> Result<(), Box<dyn std::error::Error>> {
+    let area = BitMapBackend::new(path, (SIZE.0, PANEL_HEIGHT * panels.len() as u32)).into_drawing_area();
+    area.fill(&WHITE)?;
+    for (index, (part, (label, curves))) in area.split_evenly((panels.len(), 1)).iter().zip(panels).enumerate() {
+        chart(part, if index == 0 { title } else { "" }, label, curves)?;
+    }
+    area.present()?;
+    Ok(())
+}
+
 fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
     let area = BitMapBackend::new(path, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
+    chart(&area, title, label, curves)?;
+    area.present()?;
+    Ok(())
+}
+
+/// Where a chart is drawn.
+type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+
+fn chart(area: &Area<'_>, title: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
     let (time, value) = ranges(curves);
-    let mut chart = ChartBuilder::on(&area)
+    let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 28))
         .margin(16)
         .x_label_area_size(48)
@@ -78,7 +112,6 @@ fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), 
     let mut legend = chart.configure_series_labels();
     legend.position(SeriesLabelPosition::UpperRight).label_font((FONT, 20)).legend_area_size(36);
     legend.background_style(WHITE.mix(0.85)).border_style(RGBColor(160, 160, 160)).draw()?;
-    area.present()?;
     Ok(())
 }
 

@@ -143,15 +143,22 @@ fn divide([a, b, c]: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]
     }
 }
 
+/// The surface at rest and how far each of its vertices has moved \[m\].
+pub fn deformed(surface: &Surface<'_>) -> (Mesh, Vec<Vec3>) {
+    let mesh = at_rest(&surface.model.object(), surface.patches);
+    let rest: Vec<Vec3> = mesh.vertices.iter().map(|&v| narrow(v)).collect();
+    let mut moved = vec![Vec3::ZERO; rest.len()];
+    surface.update(&rest, &mut moved);
+    (mesh, moved)
+}
+
 /// Writes the deformed object.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write(surface: &Surface<'_>, out: &mut impl Write) -> io::Result<()> {
-    let mesh = at_rest(&surface.model.object(), surface.patches);
+    let (mesh, moved) = deformed(surface);
     let rest: Vec<Vec3> = mesh.vertices.iter().map(|&v| narrow(v)).collect();
-    let mut moved = vec![Vec3::ZERO; rest.len()];
-    surface.update(&rest, &mut moved);
     write!(
         out,
         "ply\nformat binary_little_endian 1.0\ncomment haptor: deformed surface, m, world\nelement vertex {}\n",

@@ -8,6 +8,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | `fem` | compliance of a body beyond the half space, by finite elements (feature `fem`) |
+//! | `green` | the body's own Green's function for the core (feature `fem`) |
 //! | [`mod@load`] | bounded reading of STL files |
 //! | [`weld()`] | joins vertices that lie within a tolerance |
 //! | [`check()`] | watertight, manifold, oriented, free of slivers |
@@ -19,6 +20,8 @@
 pub mod check;
 #[cfg(feature = "fem")]
 pub mod fem;
+#[cfg(feature = "fem")]
+pub mod green;
 pub mod load;
 pub mod mesh;
 pub mod properties;

@@ -14,7 +14,7 @@ pub type Colour = DVec3;
 /// How a surface looks.
 #[derive(Clone, Copy, Debug)]
 pub struct Paint {
-    /// Its colour in full light.
+    /// Its colour in full light, where its corners have none of their own.
     pub colour: Colour,
     /// Share of what lies behind that is covered, 0 to 1.
     pub opacity: f64,
@@ -41,6 +41,8 @@ pub struct Corner {
     pub position: DVec3,
     /// Unit normal in world.
     pub normal: DVec3,
+    /// Colour in full light.
+    pub colour: Colour,
 }
 
 /// A picture being drawn.
@@ -101,8 +103,8 @@ impl Canvas {
             return;
         }
         let mix = |of: fn(&Corner) -> DVec3| (0..3).map(|k| of(&corners[k]) * (near[k] * depth)).sum::<DVec3>();
-        let (position, normal) = (mix(|c| c.position), mix(|c| c.normal));
-        let colour = if paint.lit { self.lit(paint.colour, position, normal) } else { paint.colour };
+        let (position, normal, colour) = (mix(|c| c.position), mix(|c| c.normal), mix(|c| c.colour));
+        let colour = if paint.lit { self.lit(colour, position, normal) } else { colour };
         let behind = DVec3::from_array(self.colour[index].map(f64::from));
         self.colour[index] = narrow(behind.lerp(colour, paint.opacity));
         if paint.opacity >= 1.0 {
@@ -157,4 +159,9 @@ fn narrow(colour: Colour) -> [f32; 3] {
 /// keeps the bytes the same on every machine and differs from it by less than one can see.
 fn srgb(linear: f64) -> u8 {
     (linear.clamp(0.0, 1.0).sqrt() * 255.0).round() as u8
+}
+
+/// A colour as in a file.
+pub fn encoded(colour: Colour) -> [u8; 3] {
+    colour.to_array().map(srgb)
 }

@@ -6,6 +6,7 @@ use haptor_wire::{BakedScene, ObjectShape};
 
 use crate::camera::Camera;
 use crate::image::Image;
+use crate::legend;
 use crate::model;
 use crate::raster::{Canvas, Colour, Corner, Paint};
 
@@ -31,6 +32,22 @@ pub struct Region {
     pub stick: f64,
 }
 
+/// The deformed object.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Its surface, vertices where they have moved to \[m\].
+    pub mesh: Mesh,
+    /// How far each vertex has moved \[m\].
+    pub moved: Vec<f64>,
+}
+
+impl Surface {
+    /// How far the vertex that moved most has moved \[m\].
+    pub fn most(&self) -> f64 {
+        self.moved.iter().copied().fold(0.0, f64::max)
+    }
+}
+
 /// A picture to be drawn.
 #[derive(Clone, Debug)]
 pub struct Shot<'a> {
@@ -48,16 +65,20 @@ pub struct Shot<'a> {
     pub torque_scale: f64,
     /// Regions in contact.
     pub regions: Vec<Region>,
+    /// The object's surface as it is deformed; `None` shows the object at rest.
+    pub surface: Option<Surface>,
     /// Pixels across and down, each [`crate::MIN_SIDE`] to [`crate::MAX_SIDE`].
     pub size: (u32, u32),
 }
 
 const OBJECT: Colour = DVec3::new(0.80, 0.60, 0.33);
 const PROBE: Colour = DVec3::new(0.30, 0.42, 0.55);
-const FORCE: Colour = DVec3::new(0.75, 0.06, 0.04);
-const TORQUE: Colour = DVec3::new(0.36, 0.12, 0.52);
-const STUCK: Colour = DVec3::new(0.0, 0.17, 0.45);
-const SLIPPING: Colour = DVec3::new(0.85, 0.25, 0.0);
+pub const FORCE: Colour = DVec3::new(0.75, 0.06, 0.04);
+pub const TORQUE: Colour = DVec3::new(0.36, 0.12, 0.52);
+pub const STUCK: Colour = DVec3::new(0.0, 0.17, 0.45);
+pub const SLIPPING: Colour = DVec3::new(0.85, 0.25, 0.0);
+/// The object's colours from where its surface rests to where it moved most.
+const MOVED: [Colour; 3] = [OBJECT, DVec3::new(0.36, 0.58, 0.22), DVec3::new(0.0, 0.22, 0.12)];
 const TILES: [Colour; 2] = [DVec3::new(0.86, 0.87, 0.88), DVec3::new(0.74, 0.76, 0.78)];
 const SKY: [Colour; 2] = [DVec3::new(0.96, 0.97, 0.99), DVec3::new(0.84, 0.87, 0.91)];
 
@@ -75,22 +96,43 @@ const VISIBLE: f64 = 1.0e-3;
 
 /// Draws a shot.
 pub fn draw(shot: &Shot<'_>) -> Image {
-    let object = model::object(&shot.scene.object);
+    let object = shot.surface.as_ref().map_or_else(|| model::object(&shot.scene.object), |surface| surface.mesh.clone());
     let probe = placed_probe(shot);
     let (low, high) = bounds(probe.iter().chain([&object]));
+    let radius = (high - low).length() / 2.0;
     // room for an arrow at its full length
-    let high = high.max(shot.pose.position + ARROW * (high - low).length() / 2.0 * DVec3::Z);
-    let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0);
-    let camera = |width, height| Camera::fitting(middle, 1.02 * radius, VIEW, width, height);
+    let mut seen: Vec<DVec3> = probe.iter().chain([&object]).flat_map(|mesh| mesh.vertices.iter().copied()).collect();
+    seen.push(shot.pose.position + ARROW * radius * DVec3::Z);
+    let camera = |width, height| Camera::framing(&seen, VIEW, width, height);
     let mut canvas = Canvas::new(camera, shot.size.0, shot.size.1, SKY[0], SKY[1]);
     draw_ground(&mut canvas, &shot.scene.object, radius);
-    add(&mut canvas, &object, Paint::solid(OBJECT));
+    draw_object(&mut canvas, &object, shot.surface.as_ref());
     draw_probe(&mut canvas, &probe);
     // what can only be felt lies over what can be seen
     canvas.forget_depth();
     draw_regions(&mut canvas, &shot.regions);
     draw_wrench(&mut canvas, shot, radius);
-    canvas.finish()
+    let mut image = canvas.finish();
+    legend::draw(&mut image, shot);
+    image
+}
+
+/// The object, coloured by how far its surface has moved.
+fn draw_object(canvas: &mut Canvas, object: &Mesh, surface: Option<&Surface>) {
+    let paint = Paint::solid(OBJECT);
+    match surface {
+        Some(surface) if surface.most() > 0.0 => {
+            let most = surface.most();
+            add_coloured(canvas, object, paint, |vertex| moved_colour(surface.moved[vertex as usize] / most));
+        }
+        _ => add(canvas, object, paint),
+    }
+}
+
+/// Colour of a surface that moved by this share of the largest displacement.
+pub fn moved_colour(share: f64) -> Colour {
+    let at = 2.0 * share.clamp(0.0, 1.0);
+    if at < 1.0 { MOVED[0].lerp(MOVED[1], at) } else { MOVED[1].lerp(MOVED[2], at - 1.0) }
 }
 
 fn placed_probe(shot: &Shot<'_>) -> Vec<Mesh> {
@@ -151,6 +193,11 @@ fn draw_probe(canvas: &mut Canvas, parts: &[Mesh]) {
 
 /// Draws a mesh, shaded smooth where it is round and flat where it has edges; a translucent one without its far sides.
 fn add(canvas: &mut Canvas, mesh: &Mesh, paint: Paint) {
+    add_coloured(canvas, mesh, paint, |_| paint.colour);
+}
+
+/// As [`add`], each vertex in a colour of its own.
+fn add_coloured(canvas: &mut Canvas, mesh: &Mesh, paint: Paint, colour: impl Fn(u32) -> Colour) {
     let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| face_normal(mesh, t)).collect();
     let mut around = vec![DVec3::ZERO; mesh.vertices.len()];
     for (triangle, normal) in mesh.triangles.iter().zip(&normals) {
@@ -162,7 +209,7 @@ fn add(canvas: &mut Canvas, mesh: &Mesh, paint: Paint) {
             let smooth = around[index as usize].normalize_or(flat);
             // an edge sharper than 30 degrees stays an edge
             let normal = if smooth.dot(flat) > 0.866 { smooth } else { flat };
-            Corner { position: mesh.vertices[index as usize], normal }
+            Corner { position: mesh.vertices[index as usize], normal, colour: colour(index) }
         };
         let corners = triangle.map(corner);
         if paint.opacity >= 1.0 || canvas.faces(corners[0].position, flat) {
@@ -222,6 +269,7 @@ mod tests {
             force_scale: 40.0,
             torque_scale: 0.05,
             regions: vec![Region { centre: DVec3::new(0.0, 0.0, 0.1), normal: DVec3::Z, radius: 0.0044, stick: 0.0 }],
+            surface: None,
             size: (64, 48),
         }
     }

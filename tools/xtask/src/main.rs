@@ -2,11 +2,15 @@
 #![forbid(unsafe_code)]
 
 mod ci;
+#[path = "../../../tests/support/counts.rs"]
+mod counting;
+mod counts;
 mod demo;
 mod docs;
 mod golden;
 mod m7;
 mod m7_image;
+mod pictures;
 mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
@@ -32,6 +36,9 @@ enum Cli {
     /// Builds the core and the wire for a Cortex-M7 without an operating system and looks for an allocator
     #[command(after_help = "Example: cargo xtask m7")]
     M7,
+    /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
+    #[command(after_help = "Example: cargo xtask counts")]
+    Counts,
     /// Compares the curves of the ready scenes in every tier with those that are kept
     #[command(after_help = "Example: cargo xtask golden --accept")]
     Golden {
@@ -39,6 +46,9 @@ enum Cli {
         #[arg(long)]
         accept: bool,
     },
+    /// Draws the pictures of the ready scenes anew: moments, force and torque over time
+    #[command(after_help = "Example: cargo xtask pictures")]
+    Pictures,
     /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
     #[command(after_help = "Example: cargo xtask docs --check")]
     Docs {
@@ -53,7 +63,9 @@ fn main() -> ExitCode {
         Cli::Demo { args } => demo::run(&args),
         Cli::Ci => ci::run(),
         Cli::M7 => m7::run(),
+        Cli::Counts => counts::run(),
         Cli::Golden { accept } => golden::run(accept),
+        Cli::Pictures => pictures::run(),
         Cli::Docs { .. } => docs::check(),
     };
     match done {

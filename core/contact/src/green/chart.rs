@@ -14,6 +14,9 @@ pub const MIN_PER_EDGE: usize = 3;
 /// Nodes along an edge of the cube at most: at 9 the table has 9.5 MB and what is read between nodes is within 0.3 % of smooth functions.
 pub const MAX_PER_EDGE: usize = 9;
 
+/// Nodes of the largest chart.
+pub const MAX_PLACES: usize = 6 * MAX_PER_EDGE * MAX_PER_EDGE - 12 * MAX_PER_EDGE + 8;
+
 /// Nodes of a cell.
 pub const CELL: usize = 9;
 

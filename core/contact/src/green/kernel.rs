@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::math::{PI, ln, max, min, root};
 use crate::model::{Model, ObjectShape};
-use crate::surface::local::{disc, disc_across, turned_disc};
+use crate::surface::local::{FAR_DISC, FAR_DISC_ACROSS, FAR_TURNED, cubic, disc, disc_across, turned_disc};
 
 /// A force on the object and a torque about the disc's normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -92,6 +92,27 @@ impl Disc {
         Move { shift: self.local(load, p_w, least) * fade, turn: turn * fade }
     }
 
+    /// What a load along the surface and about the normal moves at another patch's place, `least` \[m\] away or more: as [`Disc::at`], with the distance in
+    /// space for that along the surface.
+    pub(crate) fn drawn(&self, load: &Load, p_w: Vec3, n: Vec3, least: f32) -> Move {
+        let offset = p_w - self.centre;
+        let r = max(root(offset.length_squared()), least);
+        let near = 1.0 / r;
+        let level = offset - self.normal * offset.dot(self.normal);
+        let e = level * near;
+        let (straight, turned_across, turned) = around(self.radius * near);
+        let across = self.poisson / (2.0 - self.poisson) * turned_across;
+        let ahead = e.dot(load.force);
+        let along = self.dragged * (straight - across) + self.bent_drag(r);
+        let sinks = self.unit * (1.0 - 2.0 * self.poisson) * ahead * near;
+        let swirl = load.torque * self.turned * turned * self.bent_twist(r);
+        let shift = load.force * along + e * (2.0 * self.dragged * across * ahead) - self.normal * sinks
+            + self.normal.cross(level) * swirl;
+        let spin = load.force.cross(offset).dot(n) - 0.5 * load.torque * self.normal.dot(n);
+        let fade = self.fade(p_w.z);
+        Move { shift: shift * fade, turn: self.unit * spin * near * near * near * fade }
+    }
+
     /// 1 at the disc, 0 at the base and level at the disc.
     fn fade(&self, z: f32) -> f32 {
         let above = z - self.base;
@@ -153,6 +174,19 @@ impl Disc {
         (along * (straight - across) + e * (2.0 * across * ahead)) * self.dragged - self.normal * sinks
     }
 }
+
+/// `disc`, `disc_across` and `turned_disc` at the radius over the distance `s`.
+fn around(s: f32) -> (f32, f32, f32) {
+    if s > SERIES {
+        let q = 1.0 / s;
+        return (disc(q), disc_across(q), turned_disc(q));
+    }
+    let s2 = s * s;
+    (s * cubic(&FAR_DISC, s2), s * cubic(&FAR_DISC_ACROSS, s2), s * s2 * cubic(&FAR_TURNED, s2))
+}
+
+/// Radius over distance up to which the series are good to 1e-4: what patches that do not overlap are apart, where they are alike.
+const SERIES: f32 = 0.5;
 
 /// Shift per force, times 2 G, that a surface of `curvature` \[1/m\] adds at the distance `d` from a drag; none beyond its radius.
 pub(crate) fn bent_drag(curvature: f32, poisson: f32, d: f32) -> f32 {

@@ -1,16 +1,22 @@
-//! Stage 5: displacement of the object's surface, where another region asks for it. Without a second region it costs nothing.
+//! Stage 5: displacement of the object's surface.
 //!
-//! Closed forms of a half space loaded on a disc (PHYSICS section 4; theory.md, section 4).
+//! Two askers. Another region feels the dents of its neighbours ([`dent`], inside the tick; nothing with one region). Somebody looks at the
+//! surface: the host calls [`deform`] after the tick, whole or in blocks; nobody looks, nobody calls, nothing is spent. The forms are those of
+//! [`crate::surface`] (theory.md, sections 4 and 9).
 
 use glam::Vec3;
 
-use crate::math::{PI, asin, root};
+use crate::frames::{Pose, ProbeFrame, World};
 use crate::model::Model;
+use crate::params::Params;
 use crate::patch::Patch;
+use crate::state::State;
+use crate::surface::local::paraboloid;
+use crate::surface::{Surface, SurfaceState, Updated};
 
 /// Displacement into the object \[m\] that `patch` makes at the surface point `p_wq`: the dent of a paraboloid with the same load
 /// and radius. Inside the radius the surface follows the probe.
-pub fn dent(model: &Model<'_>, patch: &Patch, p_wq: Vec3) -> f32 {
+pub(crate) fn dent(model: &Model<'_>, patch: &Patch, p_wq: Vec3) -> f32 {
     let (a, load) = (patch.footprint.radius, patch.footprint.load);
     if a <= 0.0 || load <= 0.0 {
         return 0.0;
@@ -20,37 +26,64 @@ pub fn dent(model: &Model<'_>, patch: &Patch, p_wq: Vec3) -> f32 {
     let r2 = offset.length_squared() - along * along;
     // 1/R of the paraboloid with this load and radius: a^3 / R = 3 P / (4 E*)
     let curvature = 0.75 * load / (model.material.contact_modulus() * a * a * a);
-    let a2 = a * a;
-    if r2 <= a2 {
-        return curvature * (a2 - 0.5 * r2);
-    }
-    let r = root(r2);
-    let ratio = a / r;
-    if ratio < FAR {
-        return curvature * a2 / PI * far_dent(ratio);
-    }
-    curvature / PI * ((2.0 * a2 - r2) * asin(ratio) + a * root(r2 - a2))
+    paraboloid(curvature, a, r2)
 }
 
-/// Radius over distance below which the series of the dent is exact to f32, and where the closed form loses digits to cancellation.
-const FAR: f32 = 0.3;
+/// What somebody wants to see of the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// The object's vertices at rest \[m\], world.
+    pub rest: &'a [Vec3],
+    /// With the motion of the whole body; without it only the surroundings of the contacts move.
+    pub body: bool,
+    /// Most vertices to update in this call; their number or more updates the whole surface at once.
+    pub vertices: usize,
+}
 
-/// (2 - 1/s^2) asin s + sqrt(1 - s^2)/s for small s: its series to s^7.
-fn far_dent(s: f32) -> f32 {
-    let s2 = s * s;
-    s * (4.0 / 3.0 + s2 * (2.0 / 15.0 + s2 * (3.0 / 70.0 + s2 * (5.0 / 252.0))))
+/// Updates the vertices whose turn it is, to the state that the last tick with the probe at `x_wp` left. Work is bounded by `look.vertices` times
+/// the patches. Vertices beyond the capacity are counted and stay at rest.
+pub fn deform<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const VERTICES: usize>(
+    model: &Model<'_>,
+    params: &Params,
+    state: &State<PATCHES, SAMPLES, TRACES>,
+    x_wp: &Pose<World, ProbeFrame>,
+    look: &Look<'_>,
+    surface: &mut SurfaceState<VERTICES>,
+) -> Updated {
+    let now = Surface { model, params, patches: state.patches(), p_wp: x_wp.position, body: look.body };
+    surface.update(&now, look.rest, look.vertices)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Input, Material, ModelSpec, ObjectShape, ParamsSpec, ProbePart, ProbeShape, Quat, Scratch, step};
 
     #[test]
-    fn the_series_meets_the_closed_form() {
-        for ratio in [0.05_f64, 0.1, 0.2, 0.3] {
-            let exact = (2.0 - 1.0 / (ratio * ratio)) * libm::asin(ratio) + libm::sqrt(1.0 - ratio * ratio) / ratio;
-            let series = f64::from(far_dent(ratio as f32));
-            assert!((series / exact - 1.0).abs() < 1.0e-6, "{ratio}: {series} {exact}");
+    fn a_surface_in_blocks_is_the_whole_one_after_a_round() {
+        let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1100.0 };
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let model = Model::new(&ModelSpec::new(cube, material, &ball)).unwrap();
+        let params = Params::new(&ParamsSpec::default()).unwrap();
+        let (mut state, mut scratch) = (State::<2, 64>::new(), Scratch::<2>::new());
+        let pose = Pose::new(Vec3::new(0.01, 0.0, 0.118), Quat::IDENTITY);
+        step(&model, &params, &mut state, &mut scratch, Input { pose, dt: 1.0e-3 });
+
+        let rest: [Vec3; 150] = core::array::from_fn(|i| Vec3::new(5.0e-4 * i as f32, 0.01, 0.1 - 5.0e-4 * i as f32));
+        let look = |vertices: usize| Look { rest: &rest, body: true, vertices };
+        let (mut whole, mut parts, mut small) =
+            (SurfaceState::<150>::new(), SurfaceState::<200>::new(), SurfaceState::<100>::new());
+        let updated = deform(&model, &params, &state, &pose, &look(usize::MAX), &mut whole);
+        assert_eq!(updated, Updated { first: 0, count: 150, round: true, left_out: 0 });
+        for (first, count, round) in [(0, 64, false), (64, 64, false), (128, 22, true), (0, 64, false)] {
+            let updated = deform(&model, &params, &state, &pose, &look(64), &mut parts);
+            assert_eq!(updated, Updated { first, count, round, left_out: 0 });
         }
+        assert_eq!(whole.moved(), &parts.moved()[..150]);
+        assert_ne!(whole.moved()[0], Vec3::ZERO);
+        let updated = deform(&model, &params, &state, &pose, &look(1_000), &mut small);
+        assert_eq!(updated, Updated { first: 0, count: 100, round: true, left_out: 50 });
+        assert_eq!(whole.moved()[..100], small.moved()[..]);
     }
 }

@@ -20,8 +20,14 @@ use crate::patch::{Patch, Shift};
 pub struct Ground {
     /// Rest place of the patch \[m\].
     place: Vec3,
-    /// Closed form of what the patch moves elsewhere.
-    disc: Disc,
+    /// Contact radius \[m\].
+    radius: f32,
+    /// How far up the normal points.
+    up: f32,
+    /// What friction holds there by now.
+    held: Load,
+    /// Closed form of what the patch moves elsewhere, where there is another patch.
+    disc: Option<Disc>,
     /// Where to read the body's table.
     cell: Cell,
     /// Drag compliance that other patches share \[m/N\].
@@ -39,48 +45,60 @@ pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Groun
     if patches.len() <= 1 && table(model).is_none() && patches.iter().all(alone_on_axis) {
         return;
     }
+    let alone = patches.len() <= 1;
     for patch in patches {
-        let _ = grounds.push(Ground::of(model, patch));
+        let _ = grounds.push(Ground::of(model, patch, alone));
     }
 }
 
 impl Ground {
-    fn of(model: &Model<'_>, patch: &Patch) -> Self {
-        let place = patch.at_rest();
-        // a patch that carries nothing moves nothing; its disc needs a radius all the same
-        let radius = if patch.footprint.radius > 0.0 { patch.footprint.radius } else { f32::MAX };
-        let by_table = table(model).is_some();
-        let (shared, torsion) = if by_table { (0.0, 0.0) } else { body::common(model, place, patch.normal, patch.object_radius) };
+    fn of(model: &Model<'_>, patch: &Patch, alone: bool) -> Self {
+        let (place, radius) = (patch.at_rest(), patch.footprint.radius);
+        let table = table(model);
+        let torsion = if table.is_some() { 0.0 } else { body::torsion(model, place) };
+        let by_beam = table.is_none() && !alone;
+        // a patch without extent holds nothing; its disc needs a radius all the same
+        let extent = if radius > 0.0 { radius } else { 1.0 };
         Self {
             place,
-            disc: Disc::new(model, place, patch.normal, radius, patch.object_radius),
-            cell: table(model).map_or(Cell::NONE, |green| green.chart().cell(place)),
-            shared,
+            radius,
+            up: patch.normal.z,
+            held: held(patch),
+            disc: if alone { None } else { Some(Disc::new(model, place, patch.normal, extent, patch.object_radius)) },
+            cell: table.map_or(Cell::NONE, |green| green.chart().cell(place)),
+            shared: if by_beam { body::shared_drag(model, place, patch.normal, 1.0 / patch.object_radius) } else { 0.0 },
             torsion,
             // the mean of none along the arm and all across it
             lever: 0.5 * torsion * arm(place).length_squared(),
         }
     }
+
+    /// Torque of the held force about the body's vertical axis \[N m\].
+    fn about_axis(&self) -> f32 {
+        self.place.x * self.held.force.y - self.place.y * self.held.force.x
+    }
 }
 
 /// The table that tells what the body adds; a scene's own compliances go before it.
-fn table<'m>(model: &'m Model<'_>) -> Option<&'m Green<'m>> {
+pub fn table<'m>(model: &'m Model<'_>) -> Option<&'m Green<'m>> {
     if model.compliance.is_none() { model.green.as_ref() } else { None }
 }
 
 /// Motion of the ground under patch `i`, in its frame, by all grips as they are now.
 pub fn moved(model: &Model<'_>, grounds: &[Ground], patches: &[Patch], i: usize) -> Shift {
     let (Some(here), Some(ground)) = (patches.get(i), grounds.get(i)) else { return Shift::default() };
-    let near = others(grounds, patches, i).fold(Move::default(), |sum, (other, patch)| {
-        let rims = here.footprint.radius + patch.footprint.radius;
-        sum + other.disc.at(&held(patch), ground.place, here.normal, rims)
-    });
-    let body = match table(model) {
-        Some(green) => by_table(model, green, grounds, patches, i, here, ground),
-        None => by_beam(grounds, patches, i, here, ground),
+    let Move { shift, turn } = match table(model) {
+        Some(green) => by_table(model, green, grounds, patches, here, i),
+        None => by_beam(grounds, ground, here.normal, i),
     };
-    let Move { shift, turn } = near + body;
     Shift { drag: here.to_patch(shift), twist: turn }
+}
+
+/// Takes up what a patch holds now.
+pub fn take_up(ground: Option<&mut Ground>, patch: &Patch) {
+    if let Some(ground) = ground {
+        ground.held = held(patch);
+    }
 }
 
 /// How far the body's table lowers the place of patch `i` by all that the patches of the last tick did, beyond the dents of a half space and what
@@ -94,12 +112,6 @@ pub fn lowered(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
     });
     let own = own(model, green, here).times(&held(here)).shift;
     -(crossed + own).dot(here.normal)
-}
-
-/// The other patches that carry load, with their grounds.
-fn others<'a>(grounds: &'a [Ground], patches: &'a [Patch], i: usize) -> impl Iterator<Item = (&'a Ground, &'a Patch)> {
-    let all = grounds.iter().zip(patches).enumerate();
-    all.filter(move |(j, (_, patch))| *j != i && patch.footprint.load > 0.0).map(|(_, pair)| pair)
 }
 
 /// What friction holds, as a load on the object.
@@ -124,38 +136,34 @@ fn own(model: &Model<'_>, green: &Green<'_>, patch: &Patch) -> Block {
     body::own(model, green, patch.at_rest(), patch.normal, patch.footprint.radius, 1.0 / patch.object_radius)
 }
 
-/// What the table adds: of the others between the places, and of the patch itself beyond the scalars that the tiers take in series.
-fn by_table(
-    model: &Model<'_>,
-    green: &Green<'_>,
-    grounds: &[Ground],
-    patches: &[Patch],
-    i: usize,
-    here: &Patch,
-    ground: &Ground,
-) -> Move {
-    let crossed = others(grounds, patches, i)
-        .fold(Move::default(), |sum, (other, patch)| sum + green.respond(&ground.cell, &other.cell, &seen(model, patch)));
-    let counted = held(here);
-    let serial = Move { shift: counted.force * -here.body.drag, turn: counted.torque * -here.body.twist };
+/// With a table: the closed forms it was computed beside, and what it adds; of the patch itself what is beyond the scalars that the tiers take in series.
+fn by_table(model: &Model<'_>, green: &Green<'_>, grounds: &[Ground], patches: &[Patch], here: &Patch, i: usize) -> Move {
+    let Some(ground) = grounds.get(i) else { return Move::default() };
+    let others = grounds.iter().zip(patches).enumerate().filter(|(j, (_, patch))| *j != i && patch.footprint.load > 0.0);
+    let crossed = others.fold(Move::default(), |sum, (_, (other, patch))| {
+        let rims = ground.radius + other.radius;
+        let near = other.disc.map_or(Move::default(), |disc| disc.at(&other.held, ground.place, here.normal, rims));
+        sum + near + green.respond(&ground.cell, &other.cell, &seen(model, patch))
+    });
+    let serial = Move { shift: ground.held.force * -here.body.drag, turn: ground.held.torque * -here.body.twist };
     crossed + own(model, green, here).times(&whole(here)) + serial
 }
 
 /// Without a table: shear and bending are common to all patches, and forces beside the body's axis turn it.
-fn by_beam(grounds: &[Ground], patches: &[Patch], i: usize, here: &Patch, ground: &Ground) -> Move {
-    let swept = others(grounds, patches, i).fold(Vec3::ZERO, |sum, (_, patch)| sum + held(patch).force) * ground.shared;
-    let crossed = others(grounds, patches, i).fold(0.0, |sum, (other, patch)| sum + torque_about_axis(other.place, patch, true));
+fn by_beam(grounds: &[Ground], ground: &Ground, normal: Vec3, i: usize) -> Move {
+    let (mut near, mut swept, mut torque) = (Move::default(), Vec3::ZERO, 0.0);
+    for other in grounds.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other) {
+        if let Some(disc) = &other.disc {
+            near = near + disc.drawn(&other.held, ground.place, normal, ground.radius + other.radius);
+        }
+        swept += other.held.force;
+        torque += other.about_axis() + other.held.torque * other.up;
+    }
     // the patch's own torque turns itself by the compliance in series, but its arm by this
-    let turned = ground.torsion * (crossed + torque_about_axis(ground.place, here, false));
-    let own = ground.torsion * here.grip.torque * here.normal.z;
-    let serial = held(here).force * ground.lever;
-    Move { shift: swept + Vec3::Z.cross(arm(ground.place)) * (turned + own) - serial, turn: here.normal.z * turned }
-}
-
-/// Torque of a grip about the body's vertical axis \[N m\], with or without the grip's own torque.
-fn torque_about_axis(place: Vec3, patch: &Patch, own: bool) -> f32 {
-    let lever = arm(place).cross(held(patch).force).z;
-    if own { lever + patch.grip.torque * patch.normal.z } else { lever }
+    let turned = ground.torsion * (torque + ground.about_axis());
+    let own = ground.torsion * ground.held.torque * ground.up;
+    let shift = swept * ground.shared + Vec3::Z.cross(arm(ground.place)) * (turned + own) - ground.held.force * ground.lever;
+    near + Move { shift, turn: ground.up * turned }
 }
 
 /// Arm of a place about the body's vertical axis \[m\].

@@ -106,6 +106,7 @@ fn each(
             let hold = Hold::new(model, params, patch, ground, lever);
             patch.ground = ground;
             advance(&hold, patch);
+            ground::take_up(grounds.get_mut(i), patch);
         }
     }
 }

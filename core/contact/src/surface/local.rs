@@ -6,19 +6,70 @@
 use crate::math::{PI, asin, root};
 
 /// Radius over distance below which the series are used: there both agree to f32.
-const FAR: f32 = 0.3;
+pub(super) const FAR: f32 = 0.3;
+
+/// Coefficients of s, s^3, s^5, s^7 in the far `bowl`.
+pub(super) const FAR_BOWL: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (15.0 * PI), 3.0 / (70.0 * PI), 5.0 / (252.0 * PI)];
+
+/// Coefficients of s, s^3, s^5, s^7 in `disc`.
+pub(crate) const FAR_DISC: [f32; 4] = [2.0 / PI, 1.0 / (3.0 * PI), 3.0 / (20.0 * PI), 5.0 / (56.0 * PI)];
+
+/// Coefficients of s, s^3, s^5, s^7 in the far `bowl_across`.
+pub(super) const FAR_BOWL_ACROSS: [f32; 4] = [4.0 / (3.0 * PI), -4.0 / (10.0 * PI), -4.0 / (56.0 * PI), -4.0 / (144.0 * PI)];
+
+/// Coefficients of s, s^3, s^5, s^7 in `disc_across`.
+pub(crate) const FAR_DISC_ACROSS: [f32; 4] = [2.0 / PI, -1.0 / PI, -1.0 / (4.0 * PI), -1.0 / (8.0 * PI)];
+
+/// Coefficients of s^3, s^5, s^7, s^9 in `turned_disc`.
+pub(crate) const FAR_TURNED: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (5.0 * PI), 3.0 / (14.0 * PI), 5.0 / (36.0 * PI)];
+
+/// acos(s)/sqrt(1 - s^2) over 0..1 by powers of s, so that pi/2 - sqrt(1 - s^2) times it is asin s to 7e-8. The quotient has no
+/// singularity at s = 1, where acos has one.
+const ACOS_OVER_ROOT: [f32; 9] =
+    [1.570_796_3, -0.999_988_5, 0.785_041_65, -0.662_369_25, 0.562_508_1, -0.437_247_3, 0.269_380_4, -0.108_613_01, 0.020_492_44];
+
+/// acos(s)/sqrt(1 - s^2).
+#[inline(always)]
+pub(super) fn acos_over_root(s: f32) -> f32 {
+    let c = &ACOS_OVER_ROOT;
+    // in two halves: shorter chains than one
+    let s2 = s * s;
+    let s4 = s2 * s2;
+    let low = (c[0] + c[1] * s) + s2 * (c[2] + c[3] * s);
+    let high = (c[4] + c[5] * s) + s2 * (c[6] + c[7] * s);
+    low + s4 * (high + s4 * c[8])
+}
+
+/// c_0 + c_1 x + c_2 x^2 + c_3 x^3.
+#[inline(always)]
+pub(crate) fn cubic(c: &[f32; 4], x: f32) -> f32 {
+    c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+}
 
 /// Lift of a paraboloid's dent, 1 at the centre and 1/2 at the rim. Integral of `disc` over discs of growing radius.
 pub fn bowl(q: f32) -> f32 {
-    if q <= 1.0 {
-        return 1.0 - 0.5 * q * q;
+    paraboloid(1.0, 1.0, q * q)
+}
+
+/// Dent \[m\] of the paraboloid that has the contact radius `a` \[m\] and the curvature `curvature` = 1/R \[1/m\], at the distance whose square is `r2`:
+/// a^2/R times the bowl.
+pub fn paraboloid(curvature: f32, a: f32, r2: f32) -> f32 {
+    let a2 = a * a;
+    if r2 <= a2 {
+        return curvature * (a2 - 0.5 * r2);
     }
-    let s = 1.0 / q;
-    if s < FAR {
-        let s2 = s * s;
-        return s / PI * (4.0 / 3.0 + s2 * (2.0 / 15.0 + s2 * (3.0 / 70.0 + s2 * (5.0 / 252.0))));
+    let r = root(r2);
+    let ratio = a / r;
+    if ratio < FAR {
+        return curvature * a2 / PI * far_bowl(ratio);
     }
-    ((2.0 - q * q) * asin(s) + root(q * q - 1.0)) / PI
+    curvature / PI * ((2.0 * a2 - r2) * asin(ratio) + a * root(r2 - a2))
+}
+
+/// (2 - 1/s^2) asin s + sqrt(1 - s^2)/s for small s: its series to s^7.
+fn far_bowl(s: f32) -> f32 {
+    let s2 = s * s;
+    s * (4.0 / 3.0 + s2 * (2.0 / 15.0 + s2 * (3.0 / 70.0 + s2 * (5.0 / 252.0))))
 }
 
 /// Displacement around a disc that moves as one, along its motion: (2/pi) asin(a/r).

@@ -10,7 +10,8 @@ use crate::model::Model;
 use crate::params::Params;
 use crate::patch::Patch;
 use crate::stage::wrench::patch_force;
-use crate::surface::beam::Section;
+use crate::surface::block::{BLOCK, Block, inverse_root, more};
+use crate::surface::section::Section;
 use crate::tier::paper::{SHORTEST_LENGTH, stick_radius};
 
 /// Equation (10): rotation of a point whose way to the fixed point along the axis is `l_w` \[m\], by a torque \[N m\] about an axis that
@@ -58,8 +59,11 @@ impl Twist {
         if patch.paper.torque == Vec3::ZERO {
             let Some(section) = Section::of(&model.object) else { return Self::None };
             let torque = -axis.dot((patch.centre - p_wp).cross(patch_force(patch)));
-            let polar = section.bending.x + section.bending.y;
-            return Self::Body { axis, through: p_wp, per_length: rotation_by_torque(torque, 1.0, shear_modulus, polar) };
+            return Self::Body {
+                axis,
+                through: p_wp,
+                per_length: rotation_by_torque(torque, 1.0, shear_modulus, section.polar()),
+            };
         }
         Self::in_contact(model, params, patch, axis, phi)
     }
@@ -80,23 +84,42 @@ impl Twist {
         Self::Contact { axis, centre: patch.at_rest(), radius, phi, r_m, kinetic, l, shear_modulus, ds }
     }
 
-    /// Displacement of the surface point `p_w`, `share` of the way from the base to the patch.
-    pub fn displacement(&self, p_w: Vec3, above_base: f32, share: f32) -> Vec3 {
+    /// Adds the displacements of the points of a block over the fixed height `base`; they fade with the share of the way from the base up to the
+    /// patch, `height` above it.
+    pub fn add(&self, base: f32, height: f32, block: &mut Block) {
         match *self {
-            Self::None => Vec3::ZERO,
-            Self::Body { axis, through, per_length } => axis.cross(p_w - through) * (per_length * above_base),
+            Self::None => {}
+            Self::Body { axis, through, per_length } => {
+                turn_about(axis, through, block, |z, _, _| per_length * more(z - base, 0.0));
+            }
             Self::Contact { axis, centre, radius, phi, r_m, kinetic, l, shear_modulus, ds } => {
-                let around = axis.cross(p_w - centre);
-                let r = root(around.length_squared());
-                let turn = if r <= radius {
-                    rotation_in_contact(r, phi, r_m, kinetic, l, shear_modulus, ds)
-                } else {
-                    let phi_m = rotation_in_contact(r_m, phi, r_m, kinetic, l, shear_modulus, ds);
-                    rotation_outside(r, r_m, phi_m)
-                };
-                around * (turn * share)
+                // at_r: beyond the stick radius all rows of (11) to (13) fall as 1/r
+                let sliding = rotation_in_contact(1.0, phi, 0.0, kinetic, l, shear_modulus, ds);
+                let outside = rotation_outside(1.0, r_m, phi);
+                let per_height = 1.0 / height;
+                turn_about(axis, centre, block, |z, r, per_r| {
+                    let above = z - base;
+                    let share = if above < height { above * per_height } else { 1.0 };
+                    let falling = (if r <= radius { sliding } else { outside }) * per_r;
+                    (if r <= r_m { phi } else { falling }) * share
+                });
             }
         }
+    }
+}
+
+/// Turns the block's points about the line along `axis` by what `turn` says of their height, their distance from the line and one over it.
+#[inline(always)]
+fn turn_about(axis: Vec3, through: Vec3, block: &mut Block, turn: impl Fn(f32, f32, f32) -> f32) {
+    for i in 0..BLOCK {
+        let (x, y, z) = (block.x[i] - through.x, block.y[i] - through.y, block.z[i] - through.z);
+        let around = [axis.y * z - axis.z * y, axis.z * x - axis.x * z, axis.x * y - axis.y * x];
+        let r2 = around[0] * around[0] + around[1] * around[1] + around[2] * around[2];
+        let per_r = inverse_root(more(r2, f32::MIN_POSITIVE));
+        let turn = turn(block.z[i], r2 * per_r, per_r);
+        block.ux[i] += around[0] * turn;
+        block.uy[i] += around[1] * turn;
+        block.uz[i] += around[2] * turn;
     }
 }
 

@@ -6,6 +6,7 @@ mod devices;
 mod doctor;
 mod eval;
 mod mesh;
+mod plot;
 mod run;
 mod trajectory;
 mod view;
@@ -22,6 +23,7 @@ pub enum Command {
     Bake(bake::Args),
     Run(run::Args),
     View(view::Args),
+    Plot(plot::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
     Devices(devices::Args),
@@ -36,6 +38,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Bake(args) => bake::run(&args),
         Command::Run(args) => run::run(&args),
         Command::View(args) => view::run(&args),
+        Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),

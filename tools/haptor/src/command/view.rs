@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use haptor_viewer::{DQuat, DVec3, MAX_SIDE, MIN_SIDE, Pose, Region, Shot, draw};
-use haptor_wire::BakedScene;
+use haptor_viewer::{DQuat, DVec3, MAX_SIDE, MIN_SIDE, Pose, Region, Shot, Surface, draw};
+use haptor_wire::{BakedScene, Deformation};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
+use crate::surface;
 use crate::trajectory::{self, Row};
 
-/// Draws a picture of a scene: object, probe, contact regions (blue stick, orange slip), force (red) and torque (violet).
+/// Draws a picture of a scene: object, deformed and coloured by how far its surface moved; probe, contact regions (blue stick, orange
+/// slip), force (red) and torque (violet), with a legend.
 ///
 /// Without a trajectory the probe hovers 5 mm above the object; with one it is where the trajectory has it at the first row with
 /// t >= T_S, after all ticks up to there have been computed.
@@ -73,6 +75,7 @@ struct Moment {
     /// Largest torque up to now \[N m\].
     peak_torque: f64,
     regions: Vec<Region>,
+    surface: Option<Surface>,
 }
 
 impl Moment {
@@ -91,6 +94,7 @@ impl Moment {
             force_scale: if self.peak_force > 0.0 { FORCE_ROOM * self.peak_force } else { 1.0 },
             torque_scale: if self.peak_torque > 0.0 { 1.5 * self.peak_torque } else { 1.0 },
             regions: self.regions.clone(),
+            surface: self.surface.clone(),
             size,
         }
     }
@@ -111,6 +115,10 @@ fn moment(scene: &Scene, path: &Path, at: Option<f64>) -> Result<Moment, Failure
     let mut moment = Moment::default();
     rows[..=last].iter().for_each(|row| moment.advance(&mut simulation, row));
     moment.regions = simulation.patches().map(region).collect();
+    let amount = scene.extras.deformation;
+    if amount != Deformation::None {
+        moment.surface = Some(deformed(&simulation, &rows[last], amount == Deformation::Full));
+    }
     Ok(moment)
 }
 
@@ -123,6 +131,13 @@ impl Moment {
         self.peak_force = self.peak_force.max(self.force.length());
         self.peak_torque = self.peak_torque.max(self.torque.length());
     }
+}
+
+fn deformed(simulation: &Simulation<'_>, row: &Row, body: bool) -> Surface {
+    let (mut mesh, displacement) = surface::deformed(&simulation.surface(row, body));
+    let moved = displacement.iter().map(|&u| wide(u)).collect::<Vec<_>>();
+    mesh.vertices.iter_mut().zip(&moved).for_each(|(vertex, moved)| *vertex += *moved);
+    Surface { mesh, moved: moved.iter().map(|u| u.length()).collect() }
 }
 
 fn region(patch: haptor_contact::PatchReport) -> Region {

@@ -11,7 +11,7 @@ use super::element::NODES;
 
 /// What holds at an outer face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Skin {
+pub(crate) enum Skin {
     /// Lies in the plane of the contact: the half space leaves it free of traction already.
     Contact,
     /// Free of traction.
@@ -22,7 +22,7 @@ pub(super) enum Skin {
 
 /// A face of a brick: its nine nodes, tensor order, and a point inside the brick (outward is away from it).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Face {
+pub(crate) struct Face {
     pub nodes: [u32; 9],
     pub inside: DVec3,
     pub skin: Skin,
@@ -30,7 +30,7 @@ pub(super) struct Face {
 
 /// Nodes \[m\], bricks and outer faces.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bricks {
+pub(crate) struct Bricks {
     pub nodes: Vec<DVec3>,
     pub bricks: Vec<[u32; NODES]>,
     pub faces: Vec<Face>,
@@ -43,7 +43,7 @@ pub(super) struct Bricks {
 const SAME: f64 = 1.0e-7;
 
 /// Skins of a block's six sides: u low, u high, v low, v high, w low, w high; `None` inside the body or on a mirror.
-pub(super) type Skins = [Option<Skin>; 6];
+pub(crate) type Skins = [Option<Skin>; 6];
 
 impl Bricks {
     fn node(&mut self, at: DVec3) -> u32 {
@@ -62,7 +62,7 @@ impl Bricks {
     }
 
     /// Adds a block cut at `breaks` (each list runs from 0 to 1) and mapped by `place`.
-    pub(super) fn block(&mut self, breaks: [&[f64]; 3], skins: Skins, place: impl Fn(f64, f64, f64) -> DVec3) {
+    pub(crate) fn block(&mut self, breaks: [&[f64]; 3], skins: Skins, place: impl Fn(f64, f64, f64) -> DVec3) {
         let n = breaks.map(|list| list.len() - 1);
         for cell in 0..n[0] * n[1] * n[2] {
             let index = [cell % n[0], cell / n[0] % n[1], cell / (n[0] * n[1])];
@@ -93,18 +93,18 @@ impl Bricks {
     }
 
     /// The places of a brick's nodes.
-    pub(super) fn corners(&self, brick: &[u32; NODES]) -> [DVec3; NODES] {
+    pub(crate) fn corners(&self, brick: &[u32; NODES]) -> [DVec3; NODES] {
         brick.map(|node| self.nodes[node as usize])
     }
 }
 
 /// `n` equal steps from 0 to 1.
-pub(super) fn even(n: usize) -> Vec<f64> {
+pub(crate) fn even(n: usize) -> Vec<f64> {
     (0..=n).map(|i| i as f64 / n as f64).collect()
 }
 
 /// A box with its base at z = 0 and its middle on the z axis. `contact` is the outward normal of the touched side.
-pub(super) fn cuboid(size: DVec3, contact: DVec3, cells: [usize; 3]) -> Bricks {
+pub(crate) fn cuboid(size: DVec3, contact: DVec3, cells: [usize; 3]) -> Bricks {
     let mut skins = [Some(Skin::Free); 6];
     skins[4] = Some(Skin::Base);
     for (side, skin) in skins.iter_mut().enumerate() {
@@ -122,7 +122,7 @@ pub(super) fn cuboid(size: DVec3, contact: DVec3, cells: [usize; 3]) -> Bricks {
 /// How a quarter of a round body is cut: `rings` are breaks of the section's radius (0 to 1, the first is the edge of the
 /// innermost patch of bricks), `layers` those of the height, `turns` the bricks over a right angle (even).
 #[derive(Clone, Debug)]
-pub(super) struct RoundCut {
+pub(crate) struct RoundCut {
     pub rings: Vec<f64>,
     pub layers: Vec<f64>,
     pub turns: usize,
@@ -130,12 +130,12 @@ pub(super) struct RoundCut {
 
 /// A quarter (x, y >= 0) of a round column: half section `meridian(s, w)` -> (radius, height), s and w in [0, 1], s = 0 the axis,
 /// w = 0 the base. `top` is the skin at w = 1.
-pub(super) fn round_quarter(cut: &RoundCut, top: Skin, meridian: impl Fn(f64, f64) -> (f64, f64)) -> Bricks {
+pub(crate) fn round_quarter(cut: &RoundCut, top: Skin, meridian: impl Fn(f64, f64) -> (f64, f64)) -> Bricks {
     bent_quarter(cut, top, meridian, |x, y| (x, y), |at| at)
 }
 
 /// The same, with the section's parameters bent by `bend` before and the places moved by `finish` after the half section is applied.
-pub(super) fn bent_quarter(
+pub(crate) fn bent_quarter(
     cut: &RoundCut,
     top: Skin,
     meridian: impl Fn(f64, f64) -> (f64, f64),

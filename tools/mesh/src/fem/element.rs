@@ -7,37 +7,37 @@
 use glam::{DMat3, DVec3};
 
 /// Nodes of a brick.
-pub(super) const NODES: usize = 27;
+pub(crate) const NODES: usize = 27;
 /// Displacement unknowns of a brick.
-pub(super) const UNKNOWNS: usize = 3 * NODES;
+pub(crate) const UNKNOWNS: usize = 3 * NODES;
 /// Pressure functions of a brick.
 const PRESSURES: usize = 4;
 
 /// Three-point Gauss rule on [-1, 1]: place and weight.
-pub(super) const GAUSS: [(f64, f64); 3] =
+pub(crate) const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
 /// Lame's two constants \[Pa\].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lame {
+pub(crate) struct Lame {
     pub lambda: f64,
     pub shear: f64,
 }
 
 impl Lame {
     /// Of shear modulus 1 and this Poisson's ratio, which must be below one half.
-    pub(super) fn of_unit_shear(nu: f64) -> Self {
+    pub(crate) fn of_unit_shear(nu: f64) -> Self {
         Self { lambda: 2.0 * nu / (1.0 - 2.0 * nu), shear: 1.0 }
     }
 }
 
 /// Quadratic line functions and their slopes at `s` in [-1, 1].
-pub(super) fn line(s: f64) -> ([f64; 3], [f64; 3]) {
+pub(crate) fn line(s: f64) -> ([f64; 3], [f64; 3]) {
     ([0.5 * s * (s - 1.0), 1.0 - s * s, 0.5 * s * (s + 1.0)], [s - 0.5, -2.0 * s, s + 0.5])
 }
 
 /// The 27 shape functions at `at` and their slopes in element coordinates.
-pub(super) fn shape(at: DVec3) -> ([f64; NODES], [DVec3; NODES]) {
+pub(crate) fn shape(at: DVec3) -> ([f64; NODES], [DVec3; NODES]) {
     let ((x, dx), (y, dy), (z, dz)) = (line(at.x), line(at.y), line(at.z));
     let (mut value, mut slope) = ([0.0; NODES], [DVec3::ZERO; NODES]);
     for node in 0..NODES {
@@ -49,7 +49,7 @@ pub(super) fn shape(at: DVec3) -> ([f64; NODES], [DVec3; NODES]) {
 }
 
 /// Place and Jacobian at element coordinates `at`.
-pub(super) fn map(corners: &[DVec3; NODES], at: DVec3) -> (DVec3, DMat3) {
+pub(crate) fn map(corners: &[DVec3; NODES], at: DVec3) -> (DVec3, DMat3) {
     let (value, slope) = shape(at);
     let (mut place, mut jacobian) = (DVec3::ZERO, DMat3::ZERO);
     for (node, &corner) in corners.iter().enumerate() {
@@ -62,7 +62,7 @@ pub(super) fn map(corners: &[DVec3; NODES], at: DVec3) -> (DVec3, DMat3) {
 }
 
 /// Stiffness of one brick, row by row; `None` when the brick is turned inside out at a Gauss point.
-pub(super) fn stiffness(corners: &[DVec3; NODES], lame: Lame) -> Option<Vec<f64>> {
+pub(crate) fn stiffness(corners: &[DVec3; NODES], lame: Lame) -> Option<Vec<f64>> {
     let mut k = vec![0.0; UNKNOWNS * UNKNOWNS];
     let mut q = [[0.0; PRESSURES]; UNKNOWNS];
     let mut mass = glam::DMat4::ZERO;

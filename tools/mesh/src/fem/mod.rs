@@ -13,17 +13,23 @@
 //! | `remainder` | flat contacts: only what the half space leaves is meshed |
 //! | `patch` | curved contacts: the bonded patch itself is meshed |
 //! | `bodies` | which mesh and method a body and a place take |
+//! | `solid`, `whole` | a convex body above its held plane, and a mesh of all of it |
+//! | `disc`, `anywhere` | loads anywhere on it, and what they move everywhere: for [`crate::green`] |
 //!
 //! Lengths are scaled by the body's size and moduli by its shear modulus before anything is solved. The sparse factor chooses its
 //! kernels by the processor: results agree between machines to about 1e-10, not bit by bit.
 
+pub(crate) mod anywhere;
 mod bodies;
 mod bricks;
+pub(crate) mod disc;
 mod element;
 mod half_space;
 mod patch;
 mod remainder;
+pub(crate) mod solid;
 mod system;
+pub(crate) mod whole;
 
 use glam::DVec3;
 

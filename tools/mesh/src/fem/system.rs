@@ -11,16 +11,16 @@ use super::bricks::Bricks;
 use super::element::{Lame, NODES, UNKNOWNS, stiffness};
 
 /// Most unknowns of one run: keeps the factor below some 2 GB and the run below some minutes on one core.
-pub(super) const MAX_UNKNOWNS: usize = 45_000;
+pub(crate) const MAX_UNKNOWNS: usize = 45_000;
 
 /// The stiffness of a body, brick by brick.
-pub(super) struct Stiffness<'m> {
+pub(crate) struct Stiffness<'m> {
     mesh: &'m Bricks,
     parts: Vec<Vec<f64>>,
 }
 
 /// A factored system in which some unknowns are held.
-pub(super) struct Factored<'s, 'm> {
+pub(crate) struct Factored<'s, 'm> {
     whole: &'s Stiffness<'m>,
     /// Row of each unknown in the matrix; `None` when held.
     row: Vec<Option<u32>>,
@@ -29,7 +29,7 @@ pub(super) struct Factored<'s, 'm> {
 }
 
 impl<'m> Stiffness<'m> {
-    pub(super) fn new(mesh: &'m Bricks, lame: Lame) -> Result<Self, FemError> {
+    pub(crate) fn new(mesh: &'m Bricks, lame: Lame) -> Result<Self, FemError> {
         if 3 * mesh.nodes.len() > MAX_UNKNOWNS {
             return Err(FemError::TooFine { unknowns: 3 * mesh.nodes.len(), limit: MAX_UNKNOWNS });
         }
@@ -43,10 +43,13 @@ impl<'m> Stiffness<'m> {
     }
 
     /// K u.
-    pub(super) fn times(&self, u: &[f64]) -> Vec<f64> {
+    pub(crate) fn times(&self, u: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; u.len()];
         for (brick, part) in self.mesh.bricks.iter().zip(&self.parts) {
-            let local: Vec<f64> = Self::unknowns(brick).map(|n| u[n]).collect();
+            let local: [f64; UNKNOWNS] = std::array::from_fn(|n| u[3 * brick[n / 3] as usize + n % 3]);
+            if local == [0.0; UNKNOWNS] {
+                continue;
+            }
             for (unknown, row) in Self::unknowns(brick).zip(part.chunks_exact(UNKNOWNS)) {
                 force[unknown] += row.iter().zip(&local).map(|(k, u)| k * u).sum::<f64>();
             }
@@ -55,7 +58,7 @@ impl<'m> Stiffness<'m> {
     }
 
     /// Factors the system with the unknowns of `held` taken out.
-    pub(super) fn factor(&self, held: &[bool]) -> Result<Factored<'_, 'm>, FemError> {
+    pub(crate) fn factor(&self, held: &[bool]) -> Result<Factored<'_, 'm>, FemError> {
         let mut free = 0_u32;
         let row: Vec<Option<u32>> = held.iter().map(|&held| (!held).then(|| (free, free += 1).0)).collect();
         let free = free as usize;
@@ -102,16 +105,26 @@ impl<'m> Stiffness<'m> {
 
 impl Factored<'_, '_> {
     /// Displacement under nodal forces `load`, the held unknowns at their values in `u_held` (zero elsewhere).
-    pub(super) fn solve(&self, load: &[f64], u_held: &[f64]) -> Vec<f64> {
-        let moved = self.whole.times(u_held);
-        let mut right = Mat::<f64>::zeros(self.free, 1);
-        for (unknown, row) in self.row.iter().enumerate() {
-            if let Some(row) = row {
-                right[(*row as usize, 0)] = load[unknown] - moved[unknown];
+    pub(crate) fn solve(&self, load: &[f64], u_held: &[f64]) -> Vec<f64> {
+        self.solve_many(&[load.to_vec()], &[u_held.to_vec()]).pop().unwrap_or_default()
+    }
+
+    /// The same for several loads at once.
+    pub(crate) fn solve_many(&self, loads: &[Vec<f64>], u_held: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut right = Mat::<f64>::zeros(self.free, loads.len());
+        for (column, (load, held)) in loads.iter().zip(u_held).enumerate() {
+            let moved = self.whole.times(held);
+            for (unknown, row) in self.row.iter().enumerate() {
+                if let Some(row) = row {
+                    right[(*row as usize, column)] = load[unknown] - moved[unknown];
+                }
             }
         }
-        let found = self.factor.solve(&right);
-        let value = |(unknown, row): (usize, &Option<u32>)| row.map_or(u_held[unknown], |row| found[(row as usize, 0)]);
-        self.row.iter().enumerate().map(value).collect()
+        self.factor.solve_in_place(&mut right);
+        let one = |(column, held): (usize, &Vec<f64>)| {
+            let value = |(unknown, row): (usize, &Option<u32>)| row.map_or(held[unknown], |row| right[(row as usize, column)]);
+            self.row.iter().enumerate().map(value).collect()
+        };
+        u_held.iter().enumerate().map(one).collect()
     }
 }

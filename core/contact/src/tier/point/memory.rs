@@ -53,6 +53,11 @@ impl Memory {
         held(curve, turn.load + along * (scale * curve.load(min(distance / scale, curve.reach()))))
     }
 
+    /// Loads of the turning points, oldest first: from nothing to the first, from each to the next, and from the last to the present load.
+    pub fn turning_loads(&self) -> impl Iterator<Item = Vec2> {
+        self.turns.iter().take(self.len).skip(1).map(|turn| turn.load)
+    }
+
     /// Stuck share of the area.
     pub fn stick(&self, curve: &Curve) -> f32 {
         let c = curve.stick_radius(polar(self.last().at).0 / Self::scale(self.len - 1));

@@ -23,6 +23,13 @@ pub struct PointMemory {
     slid: f32,
 }
 
+impl PointMemory {
+    /// Torques \[N m\] at which the patch turned back, oldest first, as far as they still matter.
+    pub fn turning_torques(&self) -> impl Iterator<Item = f32> {
+        self.twist.turning_loads().map(|load| load.x)
+    }
+}
+
 /// Exponent of the limit surface: within 0.9 % of the exact surface for Hertz pressure.
 pub const LIMIT_EXPONENT: f32 = 1.725;
 

@@ -1,0 +1,159 @@
+//! The beam skeleton: how the whole body follows its loaded patches, down to the fixed base (PHYSICS section 4; theory.md, section 9.2).
+//!
+//! ```text
+//!   patch            A main beam (`beam`) runs from every patch to the fixed base: axial force, shear, bending, torsion.
+//!     |              At stations of equal distance along z the motions of all beams' sections are summed.
+//!  o--+--o  station  From each station cross beams reach out to the surface and end in **anchors** (`anchors`): two at
+//!     |              right angles and two along the diagonals, so eight anchors and the axis.
+//!  o--+--o           Between the anchors of a station the surface is the thin plate through them (biharmonic), between
+//!     |              stations the natural cubic spline (`spline`): both have least bending energy.
+//! ====+====  base    Station 0 does not move.
+//! ```
+//!
+//! Work at an update: patches x stations, then a table over the height, [`LEVELS`] intervals; after that a few operations per point,
+//! whatever the number of patches.
+
+mod anchors;
+mod beam;
+mod estimate;
+mod spline;
+
+use glam::{Vec2, Vec3};
+
+use crate::math::{clamp, max};
+use crate::model::{Model, ObjectShape};
+use crate::patch::Patch;
+
+use super::block::{BLOCK, Block, more};
+use super::section::Section;
+pub use anchors::{ANCHORS, STATIONS, Station};
+use beam::Beam;
+pub use estimate::estimate;
+use spline::Plate;
+
+/// Intervals of the height between which displacements are taken as linear: 1/64^2/8 of a bent beam's curvature is 1e-4 of its tip.
+const LEVELS: usize = 64;
+
+/// The skeleton of a body under all its patches.
+#[derive(Clone, Copy, Debug)]
+pub struct Skeleton {
+    base: f32,
+    /// Levels per length \[1/m\].
+    rate: f32,
+    /// One over the section's half widths \[1/m\].
+    per_half: Vec2,
+    /// The plate's coefficients from the base to the top, one level more than intervals.
+    levels: [Plate; LEVELS + 1],
+}
+
+impl Skeleton {
+    /// The skeleton of the model's object under `patches`; `None` for a half space, and where nothing is pressed or held.
+    pub fn new(model: &Model<'_>, patches: &[Patch]) -> Option<Self> {
+        let section = Section::of(&model.object)?;
+        let base = model.fixed_below;
+        let height = model.object.height() - base;
+        let stations = stations(model, &section, patches)?;
+        let mut plates = [Plate::ZERO; STATIONS];
+        for (plate, station) in plates.iter_mut().zip(&stations) {
+            *plate = Plate::through(station);
+        }
+        Some(Self {
+            base,
+            rate: LEVELS as f32 / height,
+            per_half: Vec2::new(1.0 / section.half.x, 1.0 / section.half.y),
+            levels: spline::levels(&plates),
+        })
+    }
+
+    /// Displacement \[m\] of the rest point `p_w`.
+    pub fn at(&self, p_w: Vec3) -> Vec3 {
+        let (index, share) = self.level(p_w.z);
+        let mut found = [0.0; 4];
+        self.one(p_w.x, p_w.y, index, share, &mut found);
+        Vec3::new(found[0], found[1], found[2])
+    }
+
+    /// Adds the displacements of a block of points.
+    pub(super) fn add(&self, block: &mut Block) {
+        let (mut index, mut share) = ([0_u32; BLOCK], [0.0; BLOCK]);
+        for i in 0..BLOCK {
+            (index[i], share[i]) = self.level(block.z[i]);
+        }
+        let mut found = [[0.0; 4]; BLOCK];
+        for i in 0..BLOCK {
+            self.one(block.x[i], block.y[i], index[i], share[i], &mut found[i]);
+        }
+        for i in 0..BLOCK {
+            block.ux[i] += found[i][0];
+            block.uy[i] += found[i][1];
+            block.uz[i] += found[i][2];
+        }
+    }
+
+    /// Interval that holds the height `z`, in the low bits, and the share of the way through it.
+    #[inline(always)]
+    fn level(&self, z: f32) -> (u32, f32) {
+        let t = (z - self.base) * self.rate;
+        let t = if t > 0.0 { t } else { 0.0 };
+        let t = if t < LEVELS as f32 { t } else { LEVELS as f32 };
+        // the nearest integer to t - 1/2 is the interval; where t is an integer it may be either neighbour, but never the one past the last
+        let rounded = more(t - 0.500_01, 0.0) + ROUNDER;
+        (rounded.to_bits(), t - (rounded - ROUNDER))
+    }
+
+    #[inline(always)]
+    fn one(&self, x: f32, y: f32, index: u32, share: f32, found: &mut [f32; 4]) {
+        let start = index as usize % LEVELS;
+        let (low, high) = (&self.levels[start], &self.levels[start + 1]);
+        Plate::between(low, high, share, x * self.per_half.x, y * self.per_half.y, found);
+    }
+}
+
+/// 1.5 x 2^23: added to a small number, it leaves the nearest integer in the low bits.
+const ROUNDER: f32 = 12_582_912.0;
+
+/// The stations of a body under `patches`, from the base up, with their anchors' displacements: what a viewer may draw. `None` for a half
+/// space.
+pub fn stations(model: &Model<'_>, section: &Section, patches: &[Patch]) -> Option<[Station; STATIONS]> {
+    if model.object == ObjectShape::HalfSpace {
+        return None;
+    }
+    let base = model.fixed_below;
+    let step = (model.object.height() - base) / (STATIONS - 1) as f32;
+    let mut stations = [Station::REST; STATIONS];
+    for (k, station) in stations.iter_mut().enumerate() {
+        let z = base + step * k as f32;
+        *station = Station::at_rest(&model.object, section, z);
+    }
+    let middle = middle_of_forces(patches);
+    for patch in patches {
+        let Some(beam) = Beam::new(model, section, patch, base, middle) else { continue };
+        // the base, station 0, is held
+        for (k, station) in stations.iter_mut().enumerate().skip(1) {
+            station.motion += beam.motion(step * k as f32);
+        }
+    }
+    stations.iter_mut().for_each(Station::carry_anchors);
+    Some(stations)
+}
+
+/// Mean place of the patches, by the force that each holds \[m\]: forces that are opposed about it make a couple that twists the body.
+fn middle_of_forces(patches: &[Patch]) -> Vec2 {
+    let (mut moment, mut all) = (Vec2::ZERO, 0.0);
+    for patch in patches {
+        let (place, force) = (patch.at_rest(), patch.grip.force.length());
+        moment += Vec2::new(place.x, place.y) * force;
+        all += force;
+    }
+    if all > 0.0 { moment / all } else { Vec2::ZERO }
+}
+
+/// Clamped share of `x` between 0 and 1.
+fn share(x: f32) -> f32 {
+    clamp(x, 0.0, 1.0)
+}
+
+/// Positive part.
+fn positive(x: f32) -> f32 {
+    max(x, 0.0)
+}

@@ -1,0 +1,107 @@
+//! Motion of the body by its own Green's function: the table's moves of all nodes, summed over the patches once per update, then read between them
+//! (theory.md, section 9.3).
+//!
+//! The table continues the closed forms of [`crate::green::kernel`], not those of the patch's own profile and slip: a field goes over from the patch's own
+//! forms close to it to the kernel's far from it.
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::green::chart::{Chart, MAX_PLACES};
+use crate::green::kernel::{Disc, Load};
+use crate::limits::MAX_PARTS;
+use crate::math::{clamp, root};
+use crate::model::Model;
+use crate::patch::Patch;
+use crate::stage::ground;
+
+use super::block::{BLOCK, Block};
+use super::field::Field;
+
+/// The body under all its patches.
+#[derive(Clone, Debug)]
+pub struct TableMotion {
+    chart: Chart,
+    base: f32,
+    moves: [Vec3; MAX_PLACES],
+    sources: Vec<Source, MAX_PARTS>,
+}
+
+/// A patch as the far field sees it.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    disc: Disc,
+    load: Load,
+    centre: Vec3,
+    inverse_radius: f32,
+}
+
+/// Distances over the contact radius between which a patch's own forms give way to the kernel's: profile and slip are felt to 1 % at the far one.
+const NEAR: f32 = 1.5;
+const FAR: f32 = 4.0;
+
+impl TableMotion {
+    /// The motion under `patches`; `None` where the model has no table, or the scene's own compliances go before it.
+    pub fn new(model: &Model<'_>, patches: &[Patch]) -> Option<Self> {
+        let green = ground::table(model)?;
+        let mut motion =
+            Self { chart: *green.chart(), base: model.fixed_below, moves: [Vec3::ZERO; MAX_PLACES], sources: Vec::new() };
+        for patch in patches.iter().filter(|patch| patch.footprint.radius > 0.0) {
+            let (place, radius) = (patch.at_rest(), patch.footprint.radius);
+            let loaded = green.chart().cell(place);
+            let seen = ground::seen(model, patch);
+            for (node, moved) in motion.moves.iter_mut().enumerate().take(green.chart().places()) {
+                let [x, y, z, _] = green.at_node(node, &loaded, &seen);
+                *moved += Vec3::new(x, y, z);
+            }
+            let disc = Disc::new(model, place, patch.normal, radius, patch.object_radius);
+            // a probe has at most as many patches as there is room for
+            let _ = motion.sources.push(Source { disc, load: ground::whole(patch), centre: place, inverse_radius: 1.0 / radius });
+        }
+        Some(motion)
+    }
+
+    /// What the table adds at the rest point `p_w` \[m\].
+    pub fn at(&self, p_w: Vec3) -> Vec3 {
+        if p_w.z <= self.base {
+            return Vec3::ZERO;
+        }
+        let cell = self.chart.cell(p_w);
+        let nodes = cell.place.into_iter().zip(cell.weight);
+        nodes.fold(Vec3::ZERO, |sum, (place, weight)| sum + self.moves.get(place).copied().unwrap_or(Vec3::ZERO) * weight)
+    }
+
+    /// Adds what the table adds to a block of points.
+    pub(super) fn add(&self, block: &mut Block) {
+        for i in 0..BLOCK {
+            let moved = self.at(Vec3::new(block.x[i], block.y[i], block.z[i]));
+            block.ux[i] += moved.x;
+            block.uy[i] += moved.y;
+            block.uz[i] += moved.z;
+        }
+    }
+
+    /// Adds the field of patch `k`: its own forms close to it, the kernel's far from it.
+    pub(super) fn add_field(&self, k: usize, field: &Field, block: &mut Block) {
+        let Some(source) = self.sources.get(k) else { return field.add(block) };
+        let mut near = Block { ux: [0.0; BLOCK], uy: [0.0; BLOCK], uz: [0.0; BLOCK], ..*block };
+        field.add(&mut near);
+        for i in 0..BLOCK {
+            let p = Vec3::new(block.x[i], block.y[i], block.z[i]);
+            let share = source.far(p);
+            let far = if share > 0.0 { source.disc.displacement(&source.load, p) * share } else { Vec3::ZERO };
+            block.ux[i] += near.ux[i] * (1.0 - share) + far.x;
+            block.uy[i] += near.uy[i] * (1.0 - share) + far.y;
+            block.uz[i] += near.uz[i] * (1.0 - share) + far.z;
+        }
+    }
+}
+
+impl Source {
+    /// Share of the kernel at `p_w`.
+    fn far(&self, p_w: Vec3) -> f32 {
+        let q = root((p_w - self.centre).length_squared()) * self.inverse_radius;
+        let share = clamp((q - NEAR) / (FAR - NEAR), 0.0, 1.0);
+        share * share * (3.0 - 2.0 * share)
+    }
+}
