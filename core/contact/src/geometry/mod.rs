@@ -1,8 +1,12 @@
 //! Where two bodies touch: signed distances, deepest points, curvatures, slices.
 
+pub mod align;
 pub mod curvature;
 pub mod deepest;
+pub mod distance_grid;
 pub mod ellipsoid;
+pub mod field;
 pub mod gap;
+pub mod outline;
 pub mod slice;
 pub mod support;
