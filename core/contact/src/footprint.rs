@@ -6,6 +6,7 @@ use crate::World;
 use crate::frames::Pose;
 use crate::geometry::curvature::{self, Curvature};
 use crate::geometry::deepest::{Deepest, PartFrame};
+use crate::geometry::edges::{Edges, Left};
 use crate::geometry::gap::deepest_meaningful;
 use crate::geometry::outline::{LEVELS, Levels, Stand};
 use crate::geometry::slice::slice;
@@ -49,6 +50,8 @@ pub struct Seat {
     form: Form,
     /// Direction into the object, in the part's frame.
     d: Vec3,
+    /// Edges of the object near the part.
+    edges: Option<Edges>,
     /// Principal curvatures of the gap for smooth parts, larger first \[1/m\].
     curvatures: (f32, f32),
     /// Mean curvature of the object \[1/m\].
@@ -73,13 +76,16 @@ impl Seat {
             ProbeShape::Ellipsoid { semi_axes } => curvature::of_ellipsoid(semi_axes, d, to_part * e1, to_part * e2),
             _ => Curvature::default(),
         };
+        let lowest = to_part * (at.point - x_wa.position);
+        let edges = Edges::about(&model.object, at, [n, e1, e2], to_part, lowest, 2.0 * support::reach(&part.shape));
         let form = match part.shape {
-            ProbeShape::Mesh(mesh) => outlined(&mesh, to_part * (at.point - x_wa.position), to_part, [n, e1, e2], object, at),
+            ProbeShape::Mesh(mesh) => outlined(&mesh, lowest, to_part, [n, e1, e2], object, at, edges.as_ref()),
             shape => shape.primitive().map_or(Form::NONE, Form::Primitive),
         };
         Self {
             form,
             d,
+            edges,
             curvatures: of_part.plus(object).principal(),
             object_mean: object.mean(),
             widest: min(widest_disc(&model.object, n), support::widest_disc(&part.shape)),
@@ -100,7 +106,10 @@ impl Seat {
     pub fn centroid(&self, depth: f32) -> Option<Vec3> {
         match self.form {
             Form::Primitive(_) if self.is_smooth() => None,
-            Form::Primitive(shape) => Some(slice(&shape, self.d, depth).centroid + self.d * depth),
+            Form::Primitive(shape) => {
+                let centroid = slice(&shape, self.d, depth).centroid;
+                Some(centroid + self.left(&shape, centroid, depth).moved + self.d * depth)
+            }
             Form::Outlined(_, centroid) => Some(centroid),
         }
     }
@@ -118,6 +127,11 @@ impl Seat {
         footprint
     }
 
+    /// What the object's edges leave of a slice of a primitive.
+    fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
+        self.edges.as_ref().map_or(Left::ALL, |edges| edges.left(shape, centroid, depth))
+    }
+
     /// Overlap of the undeformed bodies at `depth`: the part's slice on a flat face; on a curved object the slice whose height and the
     /// object's own fall, area x curvature / (2 pi), add up to the depth.
     fn overlap(&self, depth: f32) -> Overlap {
@@ -133,7 +147,8 @@ impl Seat {
         let fall = 0.5 * self.object_mean / PI;
         if self.object_mean <= 0.0 {
             let slice = slice_at(depth);
-            return Overlap { area: min(slice.area, widest), aspect: slice.aspect };
+            let share = self.left(&shape, slice.centroid, depth).share;
+            return Overlap { area: min(slice.area * share, widest), aspect: slice.aspect };
         }
         let (mut low, mut high) = (0.0, depth);
         for _ in 0..SLICE_STEPS {
@@ -146,7 +161,8 @@ impl Seat {
         let area = clamp((depth - 0.5 * (low + high)) / fall, inner, outer.area);
         // the part of the depth that the object's own fall makes is round
         let share = clamp((depth - fall * area) / depth, 0.0, 1.0);
-        Overlap { area: min(area, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
+        let left = self.left(&shape, outer.centroid, depth).share;
+        Overlap { area: min(area * left, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
     }
 
     /// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).
@@ -175,12 +191,27 @@ impl Form {
 }
 
 /// Outlines of a mesh part whose deepest point is `lowest` in the part's frame, on an object of the curvature `bent` in the tangents of `frame`.
-fn outlined(mesh: &MeshShape<'_>, lowest: Vec3, to_part: Quat, frame: [Vec3; 3], bent: Curvature, at: &Deepest) -> Form {
-    let frame = frame.map(|e| to_part * e);
-    let outlines = Stand { grid: mesh.grid(), lowest, frame, object: bent, reach: mesh.reach() }.outlines(-at.gap.distance);
+fn outlined(
+    mesh: &MeshShape<'_>,
+    lowest: Vec3,
+    to_part: Quat,
+    frame: [Vec3; 3],
+    bent: Curvature,
+    at: &Deepest,
+    edges: Option<&Edges>,
+) -> Form {
+    let (frame, depth) = (frame.map(|e| to_part * e), -at.gap.distance);
+    let mut outlines = Stand { grid: mesh.grid(), lowest, frame, object: bent, reach: mesh.reach() }.outlines(depth);
+    if let Some(edges) = edges {
+        for (outline, s) in outlines.iter_mut().zip(LEVELS) {
+            let (share, moved) = edges.kept(&outline.corners, depth * s * s);
+            outline.area *= share;
+            outline.centroid += moved;
+        }
+    }
     let [_, e1, e2] = frame;
     let middle = outlines[LEVELS.len() - 1].centroid;
-    Form::Outlined(Levels::new(-at.gap.distance, &outlines), lowest + e1 * middle.x + e2 * middle.y)
+    Form::Outlined(Levels::new(depth, &outlines), lowest + e1 * middle.x + e2 * middle.y)
 }
 
 /// Overlap of the undeformed bodies.
@@ -295,7 +326,7 @@ mod tests {
 
     fn level(shape: ProbeShape<'static>, object_mean: f32) -> Seat {
         let curvatures = (object_mean, object_mean);
-        Seat { form: Form::Primitive(shape), d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
+        Seat { form: Form::Primitive(shape), edges: None, d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
     }
 
     fn near(a: f32, b: f32, relative: f32) -> bool {

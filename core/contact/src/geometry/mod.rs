@@ -4,6 +4,7 @@ pub mod align;
 pub mod curvature;
 pub mod deepest;
 pub mod distance_grid;
+pub mod edges;
 pub mod ellipsoid;
 pub mod field;
 pub mod gap;

@@ -19,15 +19,15 @@ pub const RAYS: usize = 12;
 pub const LEVELS: [f32; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// Newton steps of a ray of the first outline, which starts from a guess, and of the others, which start from their neighbour above.
-const FIRST_STEPS: usize = 4;
-const NEXT_STEPS: usize = 3;
+const FIRST_STEPS: usize = 6;
+const NEXT_STEPS: usize = 4;
 
 /// A twelfth of a turn: half and half the root of three.
 const HALF: f32 = 0.5;
 const LONG: f32 = 0.866_025_4;
 
 /// Unit vectors of the rays.
-const DIRECTIONS: [Vec2; RAYS] = [
+pub const DIRECTIONS: [Vec2; RAYS] = [
     Vec2::new(1.0, 0.0),
     Vec2::new(LONG, HALF),
     Vec2::new(HALF, LONG),
@@ -53,6 +53,8 @@ pub struct Outline {
     spread: [f32; 3],
     /// Longer over shorter extent, 1 or more.
     pub aspect: f32,
+    /// Points of the outline from the deepest point, in the tangent plane \[m\].
+    pub corners: [Vec2; RAYS],
 }
 
 /// Where a part stands on the object.
@@ -118,6 +120,7 @@ impl Stand<'_> {
         }
         let mut outline = enclosed(&hits);
         outline.centroid += view.centre;
+        outline.corners = hits.map(|hit| hit.at + view.centre);
         (outline, radii)
     }
 
@@ -137,7 +140,8 @@ impl Stand<'_> {
             let rise = gradient.dot(ray);
             let next = share - value / rise;
             let last = (next - share).abs() <= SETTLED * share;
-            share = if rise > 0.0 && next >= low && next <= high { next } else { 0.5 * (low + min(high, 3.0 * low + share)) };
+            let farthest = min(high, WIDENING * share);
+            share = if rise > 0.0 && next <= farthest { max(next, low) } else if value < 0.0 { farthest } else { 0.5 * (low + high) };
             if last {
                 break;
             }
@@ -157,6 +161,9 @@ impl Stand<'_> {
 
 /// Shortest first guess of a ray, as a share of it.
 const SHORTEST: f32 = 1.0e-3;
+
+/// How far a ray that ends inside may be lengthened in a step: under a flat the distance says nothing of its rim.
+const WIDENING: f32 = 4.0;
 
 /// A ray that moved by less than this share of itself has settled: Newton's next step would be its square.
 const SETTLED: f32 = 1.0e-3;
@@ -222,7 +229,7 @@ fn enclosed(hits: &[Hit; RAYS]) -> Outline {
     let about = |m: f32, product: f32| m / 6.0 - twice * product;
     let (xx, xy, yy) =
         (about(xx, centroid.x * centroid.x), about(xy, centroid.x * centroid.y), about(yy, centroid.y * centroid.y));
-    Outline { area: 0.5 * twice, centroid, spread: [xx / twice, xy / twice, yy / twice], aspect: aspect(xx, xy, yy) }
+    Outline { area: 0.5 * twice, centroid, spread: [xx / twice, xy / twice, yy / twice], aspect: aspect(xx, xy, yy), ..Outline::default() }
 }
 
 /// Ratio of the extents from second moments.
