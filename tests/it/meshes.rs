@@ -1,7 +1,7 @@
 //! A mesh copy of a primitive is felt as the primitive: as probe and as object, pressed, dragged and twisted, without ripple as it turns.
 //!
 //! Documented resolution. Round bodies of radius R: triangle edges e with e^2/(8 R) below 1 % of the depth, grid spacing at most R/16. Flats: spacing
-//! at most a thirtieth of the flat's radius. Edges and tips are rounded over a spacing and lose about a third of it in depth.
+//! at most a fortieth of the flat's radius. Edges and tips are rounded over a spacing and lose about a third of it in depth.
 
 use std::f32::consts::FRAC_PI_2;
 use std::sync::LazyLock;
@@ -67,9 +67,9 @@ fn a_mesh_probe_is_felt_as_its_primitive() {
     let wide = |v: Vec3| v.as_dvec3();
     let cases = [
         ("capsule", ProbeShape::Capsule { radius, height }, tessellate::capsule(0.01, 0.02, 96), 64, lying),
-        ("cylinder upright", ProbeShape::Cylinder { radius, height }, tessellate::cylinder(0.01, 0.02, 96), 66, Quat::IDENTITY),
+        ("cylinder upright", ProbeShape::Cylinder { radius, height }, tessellate::cylinder(0.01, 0.02, 96), 80, Quat::IDENTITY),
         ("cylinder lying", ProbeShape::Cylinder { radius, height }, tessellate::cylinder(0.01, 0.02, 96), 50, lying),
-        ("box", ProbeShape::Box { size }, tessellate::cuboid(wide(size)), 64, Quat::IDENTITY),
+        ("box", ProbeShape::Box { size }, tessellate::cuboid(wide(size)), 90, Quat::IDENTITY),
         ("ellipsoid", ProbeShape::Ellipsoid { semi_axes }, tessellate::ellipsoid(wide(semi_axes), 160), 50, Quat::from_rotation_y(0.4)),
     ];
     let egg = ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) };

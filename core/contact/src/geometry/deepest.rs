@@ -9,6 +9,7 @@ use glam::{Mat3, Vec3};
 use crate::frames::Pose;
 use crate::geometry::align::align;
 use crate::geometry::curvature;
+use crate::geometry::faces;
 use crate::geometry::field::{self, Field};
 use crate::geometry::gap::{self, Gap, gap};
 use crate::geometry::support::{closest, farthest_sample, reach, support};
@@ -48,7 +49,11 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::HalfSpace, _) => at(object, support_in_world(part, x_wa, -Vec3::Z)),
         (_, ProbeShape::Mesh(mesh)) => of_mesh(object, &mesh, x_wa),
         (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
-        (ObjectShape::Box { .. }, _) => descend(object, part, x_wa),
+        (ObjectShape::Box { size }, _) => {
+            let found = descend(object, part, x_wa);
+            let support = |d: Vec3| support_in_world(part, x_wa, d);
+            faces::under_edge(0.5 * size, gap::centre(object), &found, support).unwrap_or(found)
+        }
         (ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. } | ObjectShape::Mesh(_), _) => {
             roll_down(object, part, x_wa, descend(object, part, x_wa))
         }

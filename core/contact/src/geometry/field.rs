@@ -55,6 +55,7 @@ pub fn of_object(object: &ObjectShape<'_>, p_wq: Vec3) -> Field {
     let Gap { distance, normal } = gap(object, p_wq);
     let hessian = match *object {
         ObjectShape::Box { size } => blended(0.5 * size - (p_wq - gap::centre(object)).abs(), normal),
+        ObjectShape::Cylinder { radius, height } => of_cylinder(radius, 0.5 * height, p_wq - gap::centre(object), normal),
         _ => spread(&curvature::of_object(object, p_wq, normal, tangent(normal), normal.cross(tangent(normal))), normal),
     };
     Field { value: distance, gradient: normal, hessian }
@@ -69,6 +70,22 @@ fn spread(k: &Curvature, n: Vec3) -> Mat3 {
     let e1 = tangent(n);
     let e2 = n.cross(e1);
     outer(e1, e1 * k.k11 + e2 * k.k12) + outer(e2, e1 * k.k12 + e2 * k.k22)
+}
+
+/// A cylinder inside: the blend of end and side, and the side's own curvature by its share. Outside, the side's or none.
+fn of_cylinder(radius: f32, half_height: f32, q: Vec3, normal: Vec3) -> Mat3 {
+    let planar = Vec3::new(q.x, q.y, 0.0);
+    let (out, r) = (direction(planar, Vec3::X), root(planar.length_squared()));
+    let hoop = out.cross(Vec3::Z);
+    let bent = outer(hoop, hoop) * (out.dot(normal) / max(r, SMALLEST_DISTANCE));
+    let (side, end) = (radius - r, half_height - q.z.abs());
+    if side <= 0.0 || end <= 0.0 {
+        return bent;
+    }
+    // the blend of two faces, in the plane of the axis
+    let turned = blended(Vec3::new(side, f32::MAX, end), Vec3::new(1.0, 1.0, normal.z));
+    let (xx, xz, zz) = (turned.x_axis.x, turned.x_axis.z, turned.z_axis.z);
+    bent + outer(out, out * xx + Vec3::Z * xz) + outer(Vec3::Z, out * xz + Vec3::Z * zz)
 }
 
 /// Second derivatives of -(sum s_i^-4)^(-1/4) for the slacks `s` to the faces of a box: 5 [diag(w_i/s_i) - w w/d] across the faces.

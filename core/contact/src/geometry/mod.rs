@@ -6,6 +6,7 @@ pub mod deepest;
 pub mod distance_grid;
 pub mod edges;
 pub mod ellipsoid;
+pub mod faces;
 pub mod field;
 pub mod gap;
 pub mod outline;
