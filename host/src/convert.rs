@@ -71,7 +71,7 @@ pub enum SceneError {
 #[derive(Clone, Debug)]
 pub struct Scene {
     baked: BakedScene,
-    parts: [contact::ProbePart; contact::MAX_PARTS],
+    parts: [contact::ProbePart<'static>; contact::MAX_PARTS],
     params: ParamsSpec,
     x_wd: Pose<World, DeviceBase>,
     table: Option<Table>,
@@ -196,7 +196,7 @@ fn place_rotation() -> Invalid {
     Invalid { name: "place.q_wd (length)", value: f32::NAN, allowed: "a unit quaternion, within 1e-3" }
 }
 
-fn object_shape(shape: &wire::ObjectShape) -> contact::ObjectShape {
+fn object_shape(shape: &wire::ObjectShape) -> contact::ObjectShape<'static> {
     use wire::ObjectShape as From;
     match *shape {
         From::HalfSpace => contact::ObjectShape::HalfSpace,
@@ -208,7 +208,7 @@ fn object_shape(shape: &wire::ObjectShape) -> contact::ObjectShape {
 }
 
 /// As it is written; whether its rotation is one, the core's constructor checks.
-fn probe_part(part: &wire::ProbePart) -> contact::ProbePart {
+fn probe_part(part: &wire::ProbePart) -> contact::ProbePart<'static> {
     let [w, x, y, z] = part.rotation;
     contact::ProbePart {
         shape: probe_shape(&part.shape),
@@ -217,7 +217,7 @@ fn probe_part(part: &wire::ProbePart) -> contact::ProbePart {
     }
 }
 
-fn probe_shape(shape: &wire::ProbeShape) -> contact::ProbeShape {
+fn probe_shape(shape: &wire::ProbeShape) -> contact::ProbeShape<'static> {
     use wire::ProbeShape as From;
     match *shape {
         From::Sphere { radius } => contact::ProbeShape::Sphere { radius },

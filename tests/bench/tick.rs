@@ -11,17 +11,17 @@ use haptor_contact::{
 use std::hint::black_box;
 
 const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
-const CUBE: ObjectShape = ObjectShape::Box { size: Vec3::splat(0.1) };
+const CUBE: ObjectShape<'static> = ObjectShape::Box { size: Vec3::splat(0.1) };
 /// A table wide enough for ten legs 30 mm apart.
-const TABLE: ObjectShape = ObjectShape::Box { size: Vec3::new(0.4, 0.4, 0.1) };
+const TABLE: ObjectShape<'static> = ObjectShape::Box { size: Vec3::new(0.4, 0.4, 0.1) };
 
 /// One ball of 20 mm.
-fn ball() -> Vec<ProbePart> {
+fn ball() -> Vec<ProbePart<'static>> {
     vec![ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]
 }
 
 /// Ten balls of 10 mm on a ring of 100 mm: ten regions.
-fn ten() -> Vec<ProbePart> {
+fn ten() -> Vec<ProbePart<'static>> {
     (0..10)
         .map(|i| {
             let angle = std::f32::consts::TAU * i as f32 / 10.0;
@@ -39,7 +39,14 @@ fn pose(height: f32, tick: u32) -> Pose<haptor_contact::World, haptor_contact::P
 }
 
 /// Measures one tick of the moving scene; one round of the motion is run before, so that every region is born.
-fn scene(bench: &mut Criterion, name: &str, object: ObjectShape, probe: &[ProbePart], regions: u8, params: &ParamsSpec) {
+fn scene(
+    bench: &mut Criterion,
+    name: &str,
+    object: ObjectShape<'static>,
+    probe: &[ProbePart<'_>],
+    regions: u8,
+    params: &ParamsSpec,
+) {
     let model = Model::new(&ModelSpec::new(object, RUBBER, probe)).expect("valid model");
     let params = Params::new(params).expect("valid parameters");
     let (mut state, mut scratch) = (Box::new(State::<16, 256, 256>::new()), Scratch::<16>::new());

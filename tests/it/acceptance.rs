@@ -63,7 +63,7 @@ fn params(tier: Tier, samples: usize, mu: f64) -> ParamsSpec {
 }
 
 /// The row's ball, pressed to its depth on `object`.
-fn pressed(object: ObjectShape, row: &Inputs, tier: Tier) -> Drive {
+fn pressed(object: ObjectShape<'static>, row: &Inputs, tier: Tier) -> Drive {
     let mut drive = Drive::ball(object, row.R_m as f32, row.nu as f32, &params(tier, 64, row.mu));
     drive.press_to(drive.position.z, row.delta_m as f32);
     drive
@@ -236,7 +236,7 @@ fn stuck_discs_on_the_cube() {
 }
 
 /// The ellipsoid of the table: semi-axes 60, 50, 40 mm.
-const ELLIPSOID: ObjectShape = ObjectShape::Ellipsoid { semi_axes: glam::Vec3::new(0.06, 0.05, 0.04) };
+const ELLIPSOID: ObjectShape<'static> = ObjectShape::Ellipsoid { semi_axes: glam::Vec3::new(0.06, 0.05, 0.04) };
 
 /// A ball stuck on top of the ellipsoid with the table's contact radius. The table's own tolerance, 5 %.
 #[test]

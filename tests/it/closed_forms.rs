@@ -26,15 +26,22 @@ fn tier(tier: Tier, samples: usize) -> ParamsSpec {
 }
 
 /// `shape` at `rotation` on `object`, pressed `depth` deep from height `touch` of its origin.
-fn pressed(object: ObjectShape, shape: ProbeShape, rotation: Quat, touch: f32, depth: f64, params: &ParamsSpec) -> Drive {
+fn pressed(
+    object: ObjectShape<'static>,
+    shape: ProbeShape<'static>,
+    rotation: Quat,
+    touch: f32,
+    depth: f64,
+    params: &ParamsSpec,
+) -> Drive {
     let mut drive = Drive::new(object, RUBBER, &[ProbePart::at_origin(shape)], params);
     drive.rotation = rotation;
     drive.press_to(touch, depth as f32);
     drive
 }
 
-const PUNCH: ProbeShape = ProbeShape::Cylinder { radius: 0.01, height: 0.04 };
-const CONE: ProbeShape = ProbeShape::Cone { radius: 0.02, height: 0.02 };
+const PUNCH: ProbeShape<'static> = ProbeShape::Cylinder { radius: 0.01, height: 0.04 };
+const CONE: ProbeShape<'static> = ProbeShape::Cone { radius: 0.02, height: 0.02 };
 
 fn punch(depth: f64, params: &ParamsSpec) -> Drive {
     pressed(ObjectShape::HalfSpace, PUNCH, Quat::IDENTITY, 0.02, depth, params)
@@ -144,7 +151,7 @@ fn sphere_on_sphere() {
             let ball = ObjectShape::Sphere { radius: object as f32 };
             let touch = (2.0 * object + probe) as f32;
             let compliance = haptor_contact::Compliance::default();
-            let parts: &'static [ProbePart] = Box::leak(Box::new([ProbePart::at_origin(shape)]));
+            let parts: &'static [ProbePart<'static>] = Box::leak(Box::new([ProbePart::at_origin(shape)]));
             let spec = ModelSpec { compliance: Some(compliance), ..ModelSpec::new(ball, RUBBER, parts) };
             let mut drive = Drive::from_spec(&spec, &tier(Tier::Point, 64));
             drive.press_to(touch, depth as f32);
@@ -230,8 +237,8 @@ fn capsule_end_and_side() {
 }
 
 /// A probe of tier `paper`, pressed on an object with the fixed point `l` below.
-fn paper(object: ObjectShape, mu_s: f64, length: f32, depth: f32) -> Drive {
-    let ball: &'static [ProbePart] = Box::leak(Box::new([ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]));
+fn paper(object: ObjectShape<'static>, mu_s: f64, length: f32, depth: f32) -> Drive {
+    let ball: &'static [ProbePart<'static>] = Box::leak(Box::new([ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]));
     let params = ParamsSpec { friction_static: Some(mu_s as f32), ..tier(Tier::Paper, 1024) };
     let mut drive = Drive::from_spec(&ModelSpec { paper_length: length, ..ModelSpec::new(object, RUBBER, ball) }, &params);
     drive.press_to(object.height() + 0.02, depth);

@@ -44,7 +44,7 @@ fn wave(channel: u32, tick: u32) -> f32 {
 }
 
 /// A probe with every shape, six legs on a ring of 25 mm.
-fn probe() -> Vec<ProbePart> {
+fn probe() -> Vec<ProbePart<'static>> {
     let shapes = [
         ProbeShape::Sphere { radius: 0.01 },
         ProbeShape::Box { size: Vec3::new(0.012, 0.016, 0.02) },
@@ -63,8 +63,8 @@ fn probe() -> Vec<ProbePart> {
 }
 
 /// Digest of `ticks` of a wandering probe on `object`.
-fn session(object: ObjectShape, spec: &ParamsSpec, ticks: u32) -> u64 {
-    let parts: &'static [ProbePart] = Box::leak(probe().into_boxed_slice());
+fn session(object: ObjectShape<'static>, spec: &ParamsSpec, ticks: u32) -> u64 {
+    let parts: &'static [ProbePart<'static>] = Box::leak(probe().into_boxed_slice());
     let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1.1e3 };
     let model = Model::new(&ModelSpec::new(object, material, parts)).expect("valid");
     let params = Params::new(spec).expect("valid");
@@ -87,7 +87,7 @@ fn session(object: ObjectShape, spec: &ParamsSpec, ticks: u32) -> u64 {
     digest.0
 }
 
-fn objects() -> [ObjectShape; 5] {
+fn objects() -> [ObjectShape<'static>; 5] {
     [
         ObjectShape::HalfSpace,
         ObjectShape::Box { size: Vec3::new(0.1, 0.08, 0.06) },
@@ -139,7 +139,7 @@ fn two_runs_give_the_same_bits() {
 /// The session is worth its digest: it makes and loses contacts, in every number.
 #[test]
 fn the_session_is_a_mixed_one() {
-    let parts: &'static [ProbePart] = Box::leak(probe().into_boxed_slice());
+    let parts: &'static [ProbePart<'static>] = Box::leak(probe().into_boxed_slice());
     let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1.1e3 };
     let model = Model::new(&ModelSpec::new(ObjectShape::HalfSpace, material, parts)).expect("valid");
     let params = Params::new(&tiers()[2]).expect("valid");

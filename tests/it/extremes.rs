@@ -29,8 +29,8 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(object: ObjectShape, material: Material, probe: &[ProbePart], spec: ParamsSpec) -> Self {
-        let parts: &'static [ProbePart] = Box::leak(probe.to_vec().into_boxed_slice());
+    fn new(object: ObjectShape<'static>, material: Material, probe: &[ProbePart<'static>], spec: ParamsSpec) -> Self {
+        let parts: &'static [ProbePart<'static>] = Box::leak(probe.to_vec().into_boxed_slice());
         Self {
             model: Model::new(&ModelSpec::new(object, material, parts)).expect("valid model"),
             params: Params::new(&spec).expect("valid parameters"),
@@ -95,7 +95,7 @@ fn any_rotation() -> impl Strategy<Value = Quat> {
 }
 
 /// A shape of about `size`.
-fn any_shape(size: f32) -> impl Strategy<Value = ProbeShape> {
+fn any_shape(size: f32) -> impl Strategy<Value = ProbeShape<'static>> {
     (0..6, 0.2_f32..1.0, 0.2_f32..1.0, 0.2_f32..1.0).prop_map(move |(kind, x, y, z)| {
         let (x, y, z) = (x * size, y * size, z * size);
         match kind {
@@ -109,7 +109,7 @@ fn any_shape(size: f32) -> impl Strategy<Value = ProbeShape> {
     })
 }
 
-fn any_object(size: f32) -> impl Strategy<Value = ObjectShape> {
+fn any_object(size: f32) -> impl Strategy<Value = ObjectShape<'static>> {
     (0..5, 0.2_f32..1.0, 0.2_f32..1.0, 0.2_f32..1.0).prop_map(move |(kind, x, y, z)| {
         let (x, y, z) = (x * size, y * size, z * size);
         match kind {
@@ -124,9 +124,9 @@ fn any_object(size: f32) -> impl Strategy<Value = ObjectShape> {
 
 #[derive(Clone, Debug)]
 struct Scene {
-    object: ObjectShape,
+    object: ObjectShape<'static>,
     material: Material,
-    shape: ProbeShape,
+    shape: ProbeShape<'static>,
     rotation: Quat,
     /// Side from which the object is touched: towards its centre.
     side: Vec3,
@@ -182,7 +182,7 @@ fn watch(scene: &Scene) -> Watch {
 }
 
 /// Height of the middle of the object [m].
-fn middle(object: &ObjectShape) -> Vec3 {
+fn middle(object: &ObjectShape<'_>) -> Vec3 {
     Vec3::Z * (0.5 * object.height())
 }
 
@@ -386,7 +386,7 @@ fn coincident_surfaces() {
 }
 
 /// Smallest extent of the shape from its surface inwards \[m\].
-fn thickness(shape: &ProbeShape) -> f32 {
+fn thickness(shape: &ProbeShape<'_>) -> f32 {
     match *shape {
         ProbeShape::Sphere { radius } => radius,
         ProbeShape::Box { size } => 0.5 * size.min_element(),
@@ -394,6 +394,7 @@ fn thickness(shape: &ProbeShape) -> f32 {
         ProbeShape::Cone { radius, height } => 0.3 * radius.min(height),
         ProbeShape::Capsule { radius, .. } => radius,
         ProbeShape::Ellipsoid { semi_axes } => semi_axes.min_element(),
+        ProbeShape::Mesh(mesh) => mesh.grid().inmost(),
     }
 }
 

@@ -25,13 +25,13 @@ fn ball(depth: f32, params: &ParamsSpec) -> Drive {
     drive
 }
 
-fn ball_at(position: Vec3, radius: f32) -> ProbePart {
+fn ball_at(position: Vec3, radius: f32) -> ProbePart<'static> {
     ProbePart { position, ..ProbePart::at_origin(ProbeShape::Sphere { radius }) }
 }
 
 /// Probe of balls of 20 mm at `places` \[m\], touching the half space when the origin is at 20 mm.
 fn legs(places: &[Vec3], params: &ParamsSpec) -> Drive {
-    let parts: Vec<ProbePart> = places.iter().map(|&place| ball_at(place, 0.02)).collect();
+    let parts: Vec<ProbePart<'static>> = places.iter().map(|&place| ball_at(place, 0.02)).collect();
     let mut drive = Drive::new(ObjectShape::HalfSpace, RUBBER, &parts, params);
     drive.position = Vec3::Z * 0.021;
     drive

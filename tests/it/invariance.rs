@@ -34,8 +34,8 @@ fn motion() -> Vec<(Vec3, Quat)> {
 
 /// Wrenches of `motion`, each pose moved by `place`.
 fn felt(
-    object: ObjectShape,
-    probe: &[ProbePart],
+    object: ObjectShape<'static>,
+    probe: &[ProbePart<'static>],
     params: &ParamsSpec,
     place: impl Fn(Vec3, Quat) -> (Vec3, Quat),
 ) -> Vec<Wrench> {
@@ -49,7 +49,7 @@ fn felt(
         .collect()
 }
 
-const BALL: [ProbePart; 1] = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+const BALL: [ProbePart<'static>; 1] = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
 
 /// Largest difference of two sessions, over the largest force and the largest torque of the first.
 fn apart(a: &[Wrench], b: &[Wrench]) -> (f32, f32) {
@@ -148,7 +148,7 @@ fn units_do_not_matter() {
         let session = |s: f32, t: f32| -> Vec<Wrench> {
             let material = Material { young_modulus: RUBBER.young_modulus * t, ..RUBBER };
             let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 * s })];
-            let parts: &'static [ProbePart] = Box::leak(ball.to_vec().into_boxed_slice());
+            let parts: &'static [ProbePart<'static>] = Box::leak(ball.to_vec().into_boxed_slice());
             let spec = ModelSpec { paper_length: 0.1 * s, ..ModelSpec::new(ObjectShape::HalfSpace, material, parts) };
             let params = ParamsSpec { region_distance: 0.004 * s, ..tier(choice) };
             let mut drive = Drive::from_spec(&spec, &params);
@@ -210,7 +210,7 @@ fn torque_is_about_the_mass_centre() {
 
 /// Work done by the probe on the object over closed cycles, in joules per cycle and over the largest energy the cycle stored or lost.
 fn cycles(choice: Tier, at: impl Fn(f32) -> (Vec3, Quat), ticks: usize) -> Vec<f64> {
-    let model_parts: &'static [ProbePart] = Box::leak(BALL.to_vec().into_boxed_slice());
+    let model_parts: &'static [ProbePart<'static>] = Box::leak(BALL.to_vec().into_boxed_slice());
     let model = Model::new(&ModelSpec::new(ObjectShape::HalfSpace, RUBBER, model_parts)).expect("valid");
     let params = Params::new(&tier(choice)).expect("valid");
     let (mut state, mut scratch) = (Box::new(FullState::new()), Scratch::<16>::new());

@@ -21,6 +21,7 @@ mod host_rig;
 mod influence;
 mod invariance;
 mod link_faults;
+mod meshes;
 mod no_alloc;
 mod no_alloc_host;
 mod profiles;

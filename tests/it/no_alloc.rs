@@ -8,7 +8,7 @@ use haptor_contact::{
 use crate::alloc::counted;
 
 /// Twelve legs of four shapes on a ring of 60 mm, more than the regions that are kept.
-fn probe() -> Vec<ProbePart> {
+fn probe() -> Vec<ProbePart<'static>> {
     (0..12)
         .map(|i| {
             let angle = std::f32::consts::TAU * i as f32 / 12.0;

@@ -42,7 +42,7 @@ const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x0100_0000_01b3;
 
 /// One scene under one tier.
-fn felt(object: ObjectShape, parts: &[ProbePart], tier: Tier, digest: u64) -> u64 {
+fn felt(object: ObjectShape<'static>, parts: &[ProbePart<'_>], tier: Tier, digest: u64) -> u64 {
     let spec = ModelSpec::new(object, RUBBER, parts);
     let (Ok(model), Ok(params)) = (Model::new(&spec), Params::new(&ParamsSpec { tier, ..ParamsSpec::default() })) else {
         return 0;
@@ -58,7 +58,7 @@ fn felt(object: ObjectShape, parts: &[ProbePart], tier: Tier, digest: u64) -> u6
 }
 
 /// Pose at share `t` of the session, by products and sums only: press 1.5 mm, twist and tilt, slide, lift.
-fn pose(object: &ObjectShape, t: f32) -> Pose<haptor_contact::World, haptor_contact::ProbeFrame> {
+fn pose(object: &ObjectShape<'_>, t: f32) -> Pose<haptor_contact::World, haptor_contact::ProbeFrame> {
     let ramp = |from: f32, to: f32| ((t - from) / (to - from)).clamp(0.0, 1.0);
     let depth = 0.0015 * ramp(0.05, 0.3) - 0.004 * ramp(0.9, 1.0);
     let (twist, tilt, slide) = (0.3 * ramp(0.3, 0.6) - 0.2 * ramp(0.6, 0.7), 0.05 * ramp(0.4, 0.8), 0.004 * ramp(0.6, 0.9));

@@ -9,7 +9,7 @@ use haptor_contact::{
 pub const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
 
 /// The cube of the shared tables: 0.1 m edges.
-pub const CUBE: ObjectShape = ObjectShape::Box { size: Vec3::splat(0.1) };
+pub const CUBE: ObjectShape<'static> = ObjectShape::Box { size: Vec3::splat(0.1) };
 
 /// The session state every test uses: room for every part and the finest samples.
 pub type FullState = State<16, 256, 256>;
@@ -30,8 +30,8 @@ pub struct Drive {
 
 impl Drive {
     /// A scene; the parts live as long as the test process.
-    pub fn new(object: ObjectShape, material: Material, probe: &[ProbePart], params: &ParamsSpec) -> Self {
-        let parts: &'static [ProbePart] = Box::leak(probe.to_vec().into_boxed_slice());
+    pub fn new(object: ObjectShape<'static>, material: Material, probe: &[ProbePart<'static>], params: &ParamsSpec) -> Self {
+        let parts: &'static [ProbePart<'static>] = Box::leak(probe.to_vec().into_boxed_slice());
         Self::from_spec(&ModelSpec::new(object, material, parts), params)
     }
 
@@ -49,7 +49,7 @@ impl Drive {
     }
 
     /// A ball of `radius` on an object of rubber with Poisson's ratio `nu`.
-    pub fn ball(object: ObjectShape, radius: f32, nu: f32, params: &ParamsSpec) -> Self {
+    pub fn ball(object: ObjectShape<'static>, radius: f32, nu: f32, params: &ParamsSpec) -> Self {
         let material = Material { poisson_ratio: nu, ..RUBBER };
         let mut drive = Self::new(object, material, &[ProbePart::at_origin(ProbeShape::Sphere { radius })], params);
         drive.position = Vec3::Z * (object.height() + radius);

@@ -33,8 +33,9 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32
     let g = model.material.shear_modulus();
     let nu = model.material.poisson_ratio;
     let height = max(p_wc.z - model.fixed_below, 0.0);
-    match model.object {
-        ObjectShape::HalfSpace => Compliance::default(),
+    let object = stand_in(&model.object);
+    match object {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => Compliance::default(),
         ObjectShape::Box { size } => between(top_of_box(size, height, g, nu, a), side(&box_beam(size, height), g, nu), n),
         ObjectShape::Cylinder { radius, .. } => {
             let beam = ellipse_beam(radius, radius, height);
@@ -47,8 +48,8 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32
 
 /// Drag compliance that patches share at a patch with centre `p_wc`, outward normal `n` and mean curvature `curvature`: what is beyond the closed form that the curvature gives.
 pub fn shared_drag(model: &Model<'_>, p_wc: Vec3, n: Vec3, curvature: f32) -> f32 {
-    let far = match model.object {
-        ObjectShape::HalfSpace => return 0.0,
+    let far = match stand_in(&model.object) {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => return 0.0,
         ObjectShape::Box { size } => root(size.x * size.y),
         ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => 2.0 * radius,
         ObjectShape::Ellipsoid { semi_axes } => 2.0 * root(semi_axes.x * semi_axes.y),
@@ -64,8 +65,8 @@ pub fn torsion(model: &Model<'_>, p_wc: Vec3) -> f32 {
     }
     let g = model.material.shear_modulus();
     let height = max(p_wc.z - model.fixed_below, 0.0);
-    match model.object {
-        ObjectShape::HalfSpace => 0.0,
+    match stand_in(&model.object) {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => 0.0,
         ObjectShape::Box { size } => box_twist(size, height, g),
         ObjectShape::Cylinder { radius, .. } => cylinder_twist(radius, height, g),
         ObjectShape::Sphere { radius } => round_twist(Vec3::splat(radius), height, g),
@@ -104,7 +105,7 @@ fn narrow(model: &Model<'_>, green: &Green<'_>, curvature: f32, a: f32) -> f32 {
 
 /// What is left of a box's drag compliance under a patch of radius `a`, whose own stiffness holds part of the body (7.1); 1 on other bodies.
 pub fn wide(model: &Model<'_>, n: Vec3, a: f32) -> f32 {
-    let ObjectShape::Box { size } = model.object else { return 1.0 };
+    let ObjectShape::Box { size } = stand_in(&model.object) else { return 1.0 };
     let across = if n.x * n.x > 0.5 { size.y } else { size.x };
     let width = if n.z * n.z > 0.5 { min(size.x, size.y) } else { min(size.z, across) };
     let ratio = min(a / width, WIDEST);
@@ -124,6 +125,11 @@ fn by_table(own: &Block, n: Vec3) -> Compliance {
     let twist = own.times(&Load { force: Vec3::ZERO, torque: 1.0 }).turn;
     let drag = 0.5 * (along(e1) + along(n.cross(e1)));
     Compliance { normal: max(along(n), 0.0), drag: max(drag, 0.0), twist: max(twist, 0.0) }
+}
+
+/// The primitive whose closed forms an object takes: its own, or a mesh's stand-in.
+fn stand_in<'a>(object: &ObjectShape<'a>) -> ObjectShape<'a> {
+    if let ObjectShape::Mesh(mesh) = object { mesh.stand_in() } else { *object }
 }
 
 /// Compliance along the normal only: none on top, where the cube's tables show that the finite body hardly matters.
@@ -290,7 +296,7 @@ mod tests {
     use super::*;
     use crate::model::{Material, ModelSpec, ProbePart, ProbeShape};
 
-    fn at_top(object: ObjectShape, nu: f32, a: f32) -> Compliance {
+    fn at_top(object: ObjectShape<'_>, nu: f32, a: f32) -> Compliance {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
         let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();

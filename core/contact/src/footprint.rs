@@ -1,15 +1,18 @@
 //! The footprint of one patch: radius, load and profile from depth and shape (PHYSICS 3.1; theory.md, section 3).
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use crate::World;
 use crate::frames::Pose;
 use crate::geometry::curvature::{self, Curvature};
 use crate::geometry::deepest::{Deepest, PartFrame};
+use crate::geometry::edges::{Edges, Left};
 use crate::geometry::gap::deepest_meaningful;
-use crate::geometry::slice::{Slice, slice};
+use crate::geometry::outline::{LEVELS, Levels, Stand};
+use crate::geometry::slice::slice;
 use crate::geometry::support;
 use crate::math::{GAUSS_4, PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
+use crate::mesh_shape::MeshShape;
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{FORCE_TABLE_LEN, ForceLaw};
 use crate::profile::FULLNESS_HERTZ;
@@ -32,12 +35,23 @@ impl Footprint {
     pub const NONE: Self = Self { radius: 0.0, load: 0.0, fullness: FULLNESS_HERTZ, large_strain: false };
 }
 
+/// What the overlap of a patch is read from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// A primitive: closed forms and slices.
+    Primitive(ProbeShape<'static>),
+    /// A mesh: outlines at a few depths, and the centroid of the last in the part's frame.
+    Outlined(Levels, Vec3),
+}
+
 /// The constant geometry of a patch in one tick: what a footprint needs besides the depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seat {
-    shape: ProbeShape,
+    form: Form,
     /// Direction into the object, in the part's frame.
     d: Vec3,
+    /// Edges of the object near the part.
+    edges: Option<Edges>,
     /// Principal curvatures of the gap for smooth parts, larger first \[1/m\].
     curvatures: (f32, f32),
     /// Mean curvature of the object \[1/m\].
@@ -50,7 +64,7 @@ pub struct Seat {
 
 impl Seat {
     /// Geometry at the deepest point of `part`.
-    pub fn new(model: &Model<'_>, part: &ProbePart, x_wa: &Pose<World, PartFrame>, at: &Deepest) -> Self {
+    pub fn new(model: &Model<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, at: &Deepest) -> Self {
         let n = at.gap.normal;
         let e1 = perpendicular(n);
         let e2 = n.cross(e1);
@@ -62,9 +76,16 @@ impl Seat {
             ProbeShape::Ellipsoid { semi_axes } => curvature::of_ellipsoid(semi_axes, d, to_part * e1, to_part * e2),
             _ => Curvature::default(),
         };
+        let lowest = to_part * (at.point - x_wa.position);
+        let edges = Edges::about(&model.object, at, [n, e1, e2], to_part, lowest, 2.0 * support::reach(&part.shape));
+        let form = match part.shape {
+            ProbeShape::Mesh(mesh) => outlined(&mesh, lowest, to_part, [n, e1, e2], object, at, edges.as_ref()),
+            shape => shape.primitive().map_or(Form::NONE, Form::Primitive),
+        };
         Self {
-            shape: part.shape,
+            form,
             d,
+            edges,
             curvatures: of_part.plus(object).principal(),
             object_mean: object.mean(),
             widest: min(widest_disc(&model.object, n), support::widest_disc(&part.shape)),
@@ -73,7 +94,7 @@ impl Seat {
     }
 
     fn is_smooth(&self) -> bool {
-        matches!(self.shape, ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. })
+        matches!(self.form, Form::Primitive(ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. }))
     }
 
     /// Mean radius of curvature of the object \[m\]; infinite on flat faces.
@@ -83,11 +104,14 @@ impl Seat {
 
     /// Centre of the patch in the part's frame, `None` where it is the deepest point itself.
     pub fn centroid(&self, depth: f32) -> Option<Vec3> {
-        if self.is_smooth() {
-            return None;
+        match self.form {
+            Form::Primitive(_) if self.is_smooth() => None,
+            Form::Primitive(shape) => {
+                let centroid = slice(&shape, self.d, depth).centroid;
+                Some(centroid + self.left(&shape, centroid, depth).moved + self.d * depth)
+            }
+            Form::Outlined(_, centroid) => Some(centroid),
         }
-        let Slice { centroid, .. } = slice(&self.shape, self.d, depth);
-        Some(centroid + self.d * depth)
     }
 
     /// Footprint at `depth` > 0 \[m\].
@@ -103,15 +127,28 @@ impl Seat {
         footprint
     }
 
+    /// What the object's edges leave of a slice of a primitive.
+    fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
+        self.edges.as_ref().map_or(Left::ALL, |edges| edges.left(shape, centroid, depth))
+    }
+
     /// Overlap of the undeformed bodies at `depth`: the part's slice on a flat face; on a curved object the slice whose height and the
     /// object's own fall, area x curvature / (2 pi), add up to the depth.
     fn overlap(&self, depth: f32) -> Overlap {
-        let slice_at = |z: f32| slice(&self.shape, self.d, z);
         let widest = PI * self.widest * self.widest;
+        let shape = match self.form {
+            Form::Primitive(shape) => shape,
+            Form::Outlined(levels, _) => {
+                let (area, aspect) = levels.at(depth);
+                return Overlap { area: min(area, widest), aspect };
+            }
+        };
+        let slice_at = |z: f32| slice(&shape, self.d, z);
         let fall = 0.5 * self.object_mean / PI;
         if self.object_mean <= 0.0 {
             let slice = slice_at(depth);
-            return Overlap { area: min(slice.area, widest), aspect: slice.aspect };
+            let share = self.left(&shape, slice.centroid, depth).share;
+            return Overlap { area: min(slice.area * share, widest), aspect: slice.aspect };
         }
         let (mut low, mut high) = (0.0, depth);
         for _ in 0..SLICE_STEPS {
@@ -124,7 +161,8 @@ impl Seat {
         let area = clamp((depth - 0.5 * (low + high)) / fall, inner, outer.area);
         // the part of the depth that the object's own fall makes is round
         let share = clamp((depth - fall * area) / depth, 0.0, 1.0);
-        Overlap { area: min(area, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
+        let left = self.left(&shape, outer.centroid, depth).share;
+        Overlap { area: min(area * left, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
     }
 
     /// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).
@@ -145,6 +183,35 @@ impl Seat {
         let fullness = if radius > 0.0 { round / radius } else { FULLNESS_HERTZ };
         Footprint { radius, load, fullness, large_strain: false }
     }
+}
+
+impl Form {
+    /// Nothing to press with.
+    const NONE: Self = Self::Primitive(ProbeShape::Sphere { radius: 0.0 });
+}
+
+/// Outlines of a mesh part whose deepest point is `lowest` in the part's frame, on an object of the curvature `bent` in the tangents of `frame`.
+fn outlined(
+    mesh: &MeshShape<'_>,
+    lowest: Vec3,
+    to_part: Quat,
+    frame: [Vec3; 3],
+    bent: Curvature,
+    at: &Deepest,
+    edges: Option<&Edges>,
+) -> Form {
+    let (frame, depth) = (frame.map(|e| to_part * e), -at.gap.distance);
+    let mut outlines = Stand { grid: mesh.grid(), lowest, frame, object: bent, reach: mesh.reach() }.outlines(depth);
+    if let Some(edges) = edges {
+        for (outline, s) in outlines.iter_mut().zip(LEVELS) {
+            let (share, moved) = edges.kept(&outline.corners, depth * s * s);
+            outline.area *= share;
+            outline.centroid += moved;
+        }
+    }
+    let [_, e1, e2] = frame;
+    let middle = outlines[LEVELS.len() - 1].centroid;
+    Form::Outlined(Levels::new(depth, &outlines), lowest + e1 * middle.x + e2 * middle.y)
 }
 
 /// Overlap of the undeformed bodies.
@@ -189,7 +256,7 @@ fn contact_over_slice(n: f32) -> f32 {
 }
 
 /// Radius of the disc with the area of the object's face \[m\].
-fn widest_disc(object: &ObjectShape, n: Vec3) -> f32 {
+fn widest_disc(object: &ObjectShape<'_>, n: Vec3) -> f32 {
     match *object {
         ObjectShape::HalfSpace => f32::MAX,
         ObjectShape::Box { size } => {
@@ -205,6 +272,7 @@ fn widest_disc(object: &ObjectShape, n: Vec3) -> f32 {
                 sqrt(2.0 * radius * height / PI)
             }
         }
+        ObjectShape::Mesh(mesh) => widest_disc(&mesh.stand_in(), n),
     }
 }
 
@@ -256,9 +324,9 @@ mod tests {
 
     const E_STAR: f32 = 4.0e6;
 
-    fn level(shape: ProbeShape, object_mean: f32) -> Seat {
+    fn level(shape: ProbeShape<'static>, object_mean: f32) -> Seat {
         let curvatures = (object_mean, object_mean);
-        Seat { shape, d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
+        Seat { form: Form::Primitive(shape), edges: None, d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
     }
 
     fn near(a: f32, b: f32, relative: f32) -> bool {

@@ -31,3 +31,7 @@ pub const MAX_TURN_RATE: f32 = 1500.0;
 
 /// How far a quaternion's length may be from 1 before the pose is refused.
 pub const QUATERNION_TOLERANCE: f32 = 1.0e-3;
+
+/// Most surface samples of a mesh. The search for a deepest point starts from a prefix and is refined on the distance grid: 2048 samples of
+/// a 20 mm ball stand 1.6 mm apart, closer than any contact is wide.
+pub const MAX_SURFACE_SAMPLES: usize = 2048;

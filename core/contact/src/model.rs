@@ -1,4 +1,4 @@
-//! The constant world: an elastic object and a rigid probe made of convex parts.
+//! The constant world: an elastic object and a rigid probe made of convex parts, primitives or meshes.
 
 use glam::{Quat, Vec3};
 
@@ -6,6 +6,7 @@ use crate::coupling::inertia::{self, Inertia};
 use crate::error::{Invalid, require};
 use crate::green::Green;
 use crate::limits::{MAX_DISTANCE, MAX_PARTS, QUATERNION_TOLERANCE};
+use crate::mesh_shape::MeshShape;
 
 /// The elastic material, linear and isotropic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +33,7 @@ impl Material {
 
 /// Shape of the elastic object at rest. Its base centre is the world origin, +z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ObjectShape {
+pub enum ObjectShape<'a> {
     /// Solid below z = 0.
     HalfSpace,
     /// Box of edges `size` \[m\], standing on z = 0.
@@ -57,9 +58,11 @@ pub enum ObjectShape {
         /// Height \[m\].
         height: f32,
     },
+    /// Body given by a mesh whose base lies at z = 0.
+    Mesh(MeshShape<'a>),
 }
 
-impl ObjectShape {
+impl ObjectShape<'_> {
     /// Height of the highest point above the base \[m\]; 0 for the half space.
     pub fn height(&self) -> f32 {
         match *self {
@@ -68,22 +71,24 @@ impl ObjectShape {
             Self::Sphere { radius } => 2.0 * radius,
             Self::Ellipsoid { semi_axes } => 2.0 * semi_axes.z,
             Self::Cylinder { height, .. } => height,
+            Self::Mesh(mesh) => mesh.bounds().1.z,
         }
     }
 
     /// Height below which the surface is held unless the scene says otherwise \[m\]: 0 for box and cylinder,
-    /// an eighth of the height for round bodies.
+    /// an eighth of the height for round bodies; a mesh takes that of its stand-in ([`MeshShape::stand_in`]).
     pub fn default_fixed_below(&self) -> f32 {
         match self {
             Self::HalfSpace | Self::Box { .. } | Self::Cylinder { .. } => 0.0,
             Self::Sphere { .. } | Self::Ellipsoid { .. } => 0.125 * self.height(),
+            Self::Mesh(mesh) => mesh.stand_in().default_fixed_below(),
         }
     }
 }
 
 /// A convex primitive of the probe, in the part's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ProbeShape {
+pub enum ProbeShape<'a> {
     /// Ball about the origin.
     Sphere {
         /// Radius \[m\].
@@ -120,22 +125,39 @@ pub enum ProbeShape {
         /// Semi-axes \[m\].
         semi_axes: Vec3,
     },
+    /// Convex body given by a mesh.
+    Mesh(MeshShape<'a>),
+}
+
+impl ProbeShape<'_> {
+    /// The shape itself where it is a primitive, which borrows nothing; `None` for a mesh.
+    pub(crate) fn primitive(&self) -> Option<ProbeShape<'static>> {
+        Some(match *self {
+            Self::Sphere { radius } => ProbeShape::Sphere { radius },
+            Self::Box { size } => ProbeShape::Box { size },
+            Self::Cylinder { radius, height } => ProbeShape::Cylinder { radius, height },
+            Self::Cone { radius, height } => ProbeShape::Cone { radius, height },
+            Self::Capsule { radius, height } => ProbeShape::Capsule { radius, height },
+            Self::Ellipsoid { semi_axes } => ProbeShape::Ellipsoid { semi_axes },
+            Self::Mesh(_) => return None,
+        })
+    }
 }
 
 /// One part of the probe: a shape, placed in the probe frame p.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProbePart {
+pub struct ProbePart<'a> {
     /// The shape.
-    pub shape: ProbeShape,
+    pub shape: ProbeShape<'a>,
     /// Position of the part's origin in p \[m\].
     pub position: Vec3,
     /// Rotation from the part's frame to p, unit quaternion.
     pub rotation: Quat,
 }
 
-impl ProbePart {
+impl<'a> ProbePart<'a> {
     /// A part whose frame is the probe's.
-    pub const fn at_origin(shape: ProbeShape) -> Self {
+    pub const fn at_origin(shape: ProbeShape<'a>) -> Self {
         Self { shape, position: Vec3::ZERO, rotation: Quat::IDENTITY }
     }
 }
@@ -155,7 +177,7 @@ pub struct Compliance {
 #[derive(Clone, Copy, Debug)]
 pub struct ModelSpec<'a> {
     /// Shape of the elastic object.
-    pub object: ObjectShape,
+    pub object: ObjectShape<'a>,
     /// The elastic material.
     pub material: Material,
     /// Surface points at or below this height are held \[m\]; `None` takes the shape's default.
@@ -165,7 +187,7 @@ pub struct ModelSpec<'a> {
     /// The body's own Green's function, computed by a tool; `None` takes the closed forms. `compliance`, where given, goes before it.
     pub green: Option<Green<'a>>,
     /// The probe's convex parts, 1 to [`MAX_PARTS`].
-    pub probe: &'a [ProbePart],
+    pub probe: &'a [ProbePart<'a>],
     /// Mass of the probe \[kg\], 0 to 1e4.
     pub mass: f32,
     /// Inertia of the probe; `None` spreads the mass evenly over the volume of its parts.
@@ -176,7 +198,7 @@ pub struct ModelSpec<'a> {
 
 impl<'a> ModelSpec<'a> {
     /// Spec with the defaults of the scene file: 1 kg, shape's own fixed height, computed compliances, l = 0.1 m.
-    pub const fn new(object: ObjectShape, material: Material, probe: &'a [ProbePart]) -> Self {
+    pub const fn new(object: ObjectShape<'a>, material: Material, probe: &'a [ProbePart<'a>]) -> Self {
         Self {
             object,
             material,
@@ -191,15 +213,15 @@ impl<'a> ModelSpec<'a> {
     }
 }
 
-/// A validated scene. Never changes while ticks run; borrows the probe's parts.
+/// A validated scene. Never changes while ticks run; borrows the probe's parts and what meshes hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
-    pub(crate) object: ObjectShape,
+    pub(crate) object: ObjectShape<'a>,
     pub(crate) material: Material,
     pub(crate) fixed_below: f32,
     pub(crate) compliance: Option<Compliance>,
     pub(crate) green: Option<Green<'a>>,
-    pub(crate) probe: &'a [ProbePart],
+    pub(crate) probe: &'a [ProbePart<'a>],
     pub(crate) mass: f32,
     pub(crate) inertia: Inertia,
     pub(crate) paper_length: f32,
@@ -239,7 +261,7 @@ impl<'a> Model<'a> {
     }
 
     /// Shape of the elastic object.
-    pub fn object(&self) -> ObjectShape {
+    pub fn object(&self) -> ObjectShape<'a> {
         self.object
     }
 
@@ -259,7 +281,7 @@ impl<'a> Model<'a> {
     }
 
     /// The probe's parts.
-    pub fn probe(&self) -> &'a [ProbePart] {
+    pub fn probe(&self) -> &'a [ProbePart<'a>] {
         self.probe
     }
 }
@@ -279,7 +301,7 @@ fn check_lengths(name: &'static str, lengths: Vec3) -> Result<(), Invalid> {
     lengths.to_array().iter().try_for_each(|&length| check_length(name, length))
 }
 
-fn check_object(object: &ObjectShape) -> Result<(), Invalid> {
+fn check_object(object: &ObjectShape<'_>) -> Result<(), Invalid> {
     match *object {
         ObjectShape::HalfSpace => Ok(()),
         ObjectShape::Box { size } => check_lengths("object.size", size),
@@ -289,15 +311,25 @@ fn check_object(object: &ObjectShape) -> Result<(), Invalid> {
             check_length("object.radius", radius)?;
             check_length("object.height", height)
         }
+        ObjectShape::Mesh(mesh) => check_base(&mesh),
     }
 }
 
-fn check_probe(parts: &[ProbePart]) -> Result<(), Invalid> {
+/// How far a mesh's base may stand off z = 0, as a share of its height: rounding of a file's coordinates, not a misplaced body.
+const BASE_TOLERANCE: f32 = 1.0e-3;
+
+fn check_base(mesh: &MeshShape<'_>) -> Result<(), Invalid> {
+    let (low, high) = mesh.bounds();
+    check_lengths("object.mesh (extents)", high - low)?;
+    require(low.z.abs() <= BASE_TOLERANCE * high.z, "object.mesh (lowest z)", low.z, "0: the base of an object lies at z = 0")
+}
+
+fn check_probe(parts: &[ProbePart<'_>]) -> Result<(), Invalid> {
     require((1..=MAX_PARTS).contains(&parts.len()), "probe.part (count)", parts.len() as f32, "1 to 16 parts")?;
     parts.iter().try_for_each(check_part)
 }
 
-fn check_part(part: &ProbePart) -> Result<(), Invalid> {
+fn check_part(part: &ProbePart<'_>) -> Result<(), Invalid> {
     match part.shape {
         ProbeShape::Sphere { radius } => check_length("probe.radius", radius)?,
         ProbeShape::Box { size } => check_lengths("probe.size", size)?,
@@ -307,6 +339,10 @@ fn check_part(part: &ProbePart) -> Result<(), Invalid> {
         | ProbeShape::Capsule { radius, height } => {
             check_length("probe.radius", radius)?;
             check_length("probe.height", height)?;
+        }
+        ProbeShape::Mesh(mesh) => {
+            let (low, high) = mesh.bounds();
+            check_lengths("probe.mesh (extents)", high - low)?;
         }
     }
     let reach = part.position.length();

@@ -49,7 +49,7 @@ impl std::str::FromStr for Request {
 }
 
 /// The undeformed surface of `object` in world, finer near the contacts `patches`.
-pub fn at_rest(object: &ObjectShape, patches: &[Patch]) -> Mesh {
+pub fn at_rest(object: &ObjectShape<'_>, patches: &[Patch]) -> Mesh {
     let coarse = coarse(object);
     let near: Vec<(DVec3, f64)> = patches.iter().map(|p| (wide(p.at_rest()), f64::from(p.footprint.radius))).collect();
     // 2.4 vertices per square of the longest edge on average; less is asked for until there are enough
@@ -70,7 +70,7 @@ fn edge_near(distance: f64, a: f64) -> f64 {
 }
 
 /// The fewest triangles that have the object's form.
-fn coarse(object: &ObjectShape) -> Mesh {
+fn coarse(object: &ObjectShape<'_>) -> Mesh {
     let up = |mesh: Mesh| mesh.mapped(|p| p + DVec3::Z * (f64::from(object.height()) / 2.0));
     match *object {
         ObjectShape::HalfSpace => {
@@ -85,11 +85,12 @@ fn coarse(object: &ObjectShape) -> Mesh {
         ObjectShape::Sphere { radius } => up(tessellate::ellipsoid(DVec3::splat(radius.into()), SIDES)),
         ObjectShape::Ellipsoid { semi_axes } => up(tessellate::ellipsoid(wide(semi_axes), SIDES)),
         ObjectShape::Cylinder { radius, height } => up(tessellate::cylinder(radius.into(), height.into(), SIDES)),
+        ObjectShape::Mesh(mesh) => coarse(&mesh.stand_in()),
     }
 }
 
 /// Brings the middle of an edge back to a round surface; flat ones contain it.
-fn onto(object: &ObjectShape, p: DVec3) -> DVec3 {
+fn onto(object: &ObjectShape<'_>, p: DVec3) -> DVec3 {
     let semi_axes = match *object {
         ObjectShape::Sphere { radius } => DVec3::splat(radius.into()),
         ObjectShape::Ellipsoid { semi_axes } => wide(semi_axes),

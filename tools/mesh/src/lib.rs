@@ -1,4 +1,4 @@
-//! Meshes on the host's side: load, check, measure, tessellate.
+//! Meshes on the host's side: load, check, measure, tessellate, bake.
 //!
 //! Words: a **mesh** is a list of vertices \[m\] and of triangles whose corners run counter-clockwise seen from outside; a
 //! **boundary edge** belongs to one triangle, a **non-manifold edge** to more than two, a **flipped edge** to two that run along
@@ -9,15 +9,23 @@
 //! |---|---|
 //! | `fem` | compliance of a body beyond the half space, by finite elements (feature `fem`) |
 //! | `green` | the body's own Green's function for the core (feature `fem`) |
+//! | [`mod@bake`] | grid and samples as the core reads them, with the errors they have |
+//! | [`convex`] | how far a mesh is from convex; cutting it into convex parts |
+//! | [`distance`] | exact signed distance to a mesh |
 //! | [`mod@load`] | bounded reading of STL files |
 //! | [`weld()`] | joins vertices that lie within a tolerance |
 //! | [`check()`] | watertight, manifold, oriented, free of slivers |
 //! | [`properties()`] | volume, mass centre, inertia |
+//! | [`samples`] | points spread over the surface, in progressive order |
+//! | [`spline`] | coefficients with which cubic B-splines follow values on a grid |
 //! | [`tessellate`] | triangles for the primitives of a scene |
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod bake;
 pub mod check;
+pub mod convex;
+pub mod distance;
 #[cfg(feature = "fem")]
 pub mod fem;
 #[cfg(feature = "fem")]
@@ -25,9 +33,12 @@ pub mod green;
 pub mod load;
 pub mod mesh;
 pub mod properties;
+pub mod samples;
+pub mod spline;
 pub mod tessellate;
 pub mod weld;
 
+pub use bake::{BakeError, BakeSpec, Baked, DistanceError, bake};
 pub use check::{Findings, check};
 pub use glam::{DMat3, DVec3};
 pub use load::{LoadError, load_stl, read_stl};

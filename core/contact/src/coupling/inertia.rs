@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::sym::Sym3;
 use crate::error::{Invalid, require};
 use crate::math::PI;
-use crate::model::{ProbePart, ProbeShape};
+use crate::model::{ObjectShape, ProbePart, ProbeShape};
 
 /// Inertia tensor about the mass centre, in the probe's frame \[kg m^2\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,8 +67,8 @@ impl Solid {
         Self { volume, gyration: Sym3 { diagonal: Vec3::new(y + z, z + x, x + y), off: Vec3::ZERO } }
     }
 
-    /// Closed forms of the primitives.
-    fn of(shape: &ProbeShape) -> Self {
+    /// Closed forms of the primitives. A mesh has its own volume and the gyration of its stand-in; a tool that knows better gives the inertia.
+    fn of(shape: &ProbeShape<'_>) -> Self {
         match *shape {
             ProbeShape::Sphere { radius } => Self::of_ellipsoid(Vec3::splat(radius)),
             ProbeShape::Ellipsoid { semi_axes } => Self::of_ellipsoid(semi_axes),
@@ -82,6 +82,17 @@ impl Solid {
                 Self::from_means(PI / 3.0 * r2 * height, Vec3::new(0.15 * r2, 0.15 * r2, 0.0375 * h2))
             }
             ProbeShape::Capsule { radius, height } => Self::of_capsule(radius, height),
+            ProbeShape::Mesh(mesh) => Self { volume: mesh.volume(), ..Self::of_stand_in(&mesh.stand_in()) },
+        }
+    }
+
+    fn of_stand_in(shape: &ObjectShape<'_>) -> Self {
+        match *shape {
+            ObjectShape::Box { size } => Self::of(&ProbeShape::Box { size }),
+            ObjectShape::Cylinder { radius, height } => Self::of(&ProbeShape::Cylinder { radius, height }),
+            ObjectShape::Sphere { radius } => Self::of_ellipsoid(Vec3::splat(radius)),
+            ObjectShape::Ellipsoid { semi_axes } => Self::of_ellipsoid(semi_axes),
+            ObjectShape::HalfSpace | ObjectShape::Mesh(_) => Self::of_ellipsoid(Vec3::splat(0.5 * shape.height())),
         }
     }
 
@@ -102,7 +113,7 @@ impl Solid {
 }
 
 /// Inertia of `parts` that share `mass` by volume.
-pub(crate) fn of_parts(parts: &[ProbePart], mass: f32) -> Inertia {
+pub(crate) fn of_parts(parts: &[ProbePart<'_>], mass: f32) -> Inertia {
     let total = parts.iter().fold(0.0, |sum, part| sum + Solid::of(&part.shape).volume);
     let tensor = parts.iter().fold(Sym3::ZERO, |sum, part| {
         let solid = Solid::of(&part.shape);
@@ -140,7 +151,7 @@ mod tests {
 
     #[test]
     fn every_shape_meets_its_integral() {
-        let cases: [(ProbeShape, [f64; 4]); 6] = [
+        let cases: [(ProbeShape<'_>, [f64; 4]); 6] = [
             (ProbeShape::Sphere { radius: 0.02 }, counted(|x, y, z| x * x + y * y + z * z < 4e-4, [0.02; 3])),
             (ProbeShape::Box { size: Vec3::new(0.02, 0.04, 0.06) }, counted(|_, _, _| true, [0.01, 0.02, 0.03])),
             (ProbeShape::Cylinder { radius: 0.01, height: 0.05 }, counted(|x, y, _| x * x + y * y < 1e-4, [0.01, 0.01, 0.025])),

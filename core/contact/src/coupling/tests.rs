@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use crate::*;
 
 const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
-const BALL: [ProbePart; 1] = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+const BALL: [ProbePart<'_>; 1] = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
 
 /// A scene with a virtual coupling.
 struct Felt<'a> {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::geometry::distance_grid::DistanceGrid;
 use crate::geometry::gap;
 use crate::math::{max, root};
 use crate::model::ObjectShape;
@@ -33,6 +34,20 @@ impl Curvature {
         0.5 * (self.k11 + self.k22)
     }
 
+    /// The same form with hollow directions made flat.
+    pub fn convex(self) -> Self {
+        let (large, small) = self.principal();
+        if small >= 0.0 {
+            return self;
+        }
+        // the form less its mean, scaled and lifted so that the principal values become max(large, 0) and 0
+        let kept = max(large, 0.0);
+        let scale = kept / (large - small);
+        let mean = self.mean();
+        let lifted = |k: f32| 0.5 * kept + (k - mean) * scale;
+        Self { k11: lifted(self.k11), k12: self.k12 * scale, k22: lifted(self.k22) }
+    }
+
     /// Principal curvatures, larger first \[1/m\].
     pub fn principal(self) -> (f32, f32) {
         let half_difference = 0.5 * (self.k11 - self.k22);
@@ -53,7 +68,7 @@ pub fn of_ellipsoid(semi_axes: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
 }
 
 /// Curvature of the object's surface where its outward normal is `n`, closest to the world point `p_wq`.
-pub fn of_object(object: &ObjectShape, p_wq: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+pub fn of_object(object: &ObjectShape<'_>, p_wq: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
     match *object {
         ObjectShape::HalfSpace | ObjectShape::Box { .. } => Curvature::default(),
         ObjectShape::Sphere { radius } => Curvature::isotropic(1.0 / radius),
@@ -63,7 +78,23 @@ pub fn of_object(object: &ObjectShape, p_wq: Vec3, n: Vec3, e1: Vec3, e2: Vec3) 
             let on_side = n.z.abs() < 0.5 || axial == 0.0;
             if on_side { of_cylinder_side(radius, n, e1, e2) } else { Curvature::default() }
         }
+        ObjectShape::Mesh(mesh) => of_mesh(mesh.grid(), p_wq, n, e1, e2),
     }
+}
+
+/// Shortest and usual distance over which a mesh's normals are compared: in spacings of its grid, and in radii of the contact that the depth
+/// makes on a ball as thick as the object. Below it facets and rounded edges would count as curvature, above it edges would be felt too early.
+const SHORTEST_REACH: f32 = 1.5;
+const CONTACT_SHARE: f32 = 0.5;
+
+/// Curvature of a distance's surface about `q`: how the normals turn across the contact. Convex, or none: a hollow is felt as flat.
+fn of_mesh(grid: &DistanceGrid<'_>, q: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+    let (value, _) = grid.slope(q);
+    let reach = max(SHORTEST_REACH * grid.spacing(), CONTACT_SHARE * root(grid.inmost() * max(-value, 0.0)));
+    let middle = q - n * value;
+    let turn = |e: Vec3| (grid.slope(middle + e * reach).1 - grid.slope(middle - e * reach).1) / (2.0 * reach);
+    let (along, across) = (turn(e1), turn(e2));
+    Curvature { k11: along.dot(e1), k12: 0.5 * (along.dot(e2) + across.dot(e1)), k22: across.dot(e2) }.convex()
 }
 
 fn of_cylinder_side(radius: f32, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {

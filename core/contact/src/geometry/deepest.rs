@@ -4,13 +4,17 @@
 //! is connected: one part makes at most one contact. Spheres and the half space are closed forms; the rest is a bounded
 //! descent with a fixed number of steps (theory.md, section 2).
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 use crate::frames::Pose;
+use crate::geometry::align::align;
 use crate::geometry::curvature;
+use crate::geometry::faces;
+use crate::geometry::field::{self, Field};
 use crate::geometry::gap::{self, Gap, gap};
-use crate::geometry::support::{closest, reach, support};
+use crate::geometry::support::{closest, farthest_sample, reach, support};
 use crate::math::{direction, perpendicular, root};
+use crate::mesh_shape::MeshShape;
 use crate::model::{ObjectShape, ProbePart, ProbeShape};
 use crate::{ProbeFrame, World};
 
@@ -28,49 +32,85 @@ pub struct Deepest {
 pub struct PartFrame;
 
 /// Pose of a part in world.
-pub fn part_pose(part: &ProbePart, x_wp: &Pose<World, ProbeFrame>) -> Pose<World, PartFrame> {
+pub fn part_pose(part: &ProbePart<'_>, x_wp: &Pose<World, ProbeFrame>) -> Pose<World, PartFrame> {
     x_wp.then(&Pose::new(part.position, part.rotation))
 }
 
 /// True when the part's bounding ball stays clear of the object: the cheap test that most ticks of most parts end with.
-pub fn is_clear(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> bool {
+pub fn is_clear(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> bool {
     gap(object, x_wa.position).distance > reach(&part.shape)
 }
 
 /// Deepest point of `part`, whose frame stands at `x_wa`.
-pub fn deepest(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> Deepest {
+pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Deepest {
     match (*object, part.shape) {
+        (ObjectShape::Mesh(_), ProbeShape::Sphere { radius }) => of_ball_on_mesh(object, x_wa.position, radius),
         (_, ProbeShape::Sphere { radius }) => of_ball(object, x_wa.position, radius),
         (ObjectShape::HalfSpace, _) => at(object, support_in_world(part, x_wa, -Vec3::Z)),
+        (_, ProbeShape::Mesh(mesh)) => of_mesh(object, &mesh, x_wa),
         (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
-        (ObjectShape::Box { .. }, _) => descend(object, part, x_wa),
-        (ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. }, _) => {
+        (ObjectShape::Box { size }, _) => {
+            let found = descend(object, part, x_wa);
+            let support = |d: Vec3| support_in_world(part, x_wa, d);
+            faces::under_edge(0.5 * size, gap::centre(object), &found, support).unwrap_or(found)
+        }
+        (ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. } | ObjectShape::Mesh(_), _) => {
             roll_down(object, part, x_wa, descend(object, part, x_wa))
         }
     }
 }
 
-fn of_ball(object: &ObjectShape, centre: Vec3, radius: f32) -> Deepest {
+fn of_ball(object: &ObjectShape<'_>, centre: Vec3, radius: f32) -> Deepest {
     let Gap { distance, normal } = gap(object, centre);
     Deepest { point: centre - normal * radius, gap: Gap { distance: distance - radius, normal } }
 }
 
-fn of_part_in_ball(part: &ProbePart, x_wa: &Pose<World, PartFrame>, radius: f32) -> Deepest {
+/// A ball on a mesh: its centre may stand far off the grid, so that the normals are aligned where the two touch.
+fn of_ball_on_mesh(object: &ObjectShape<'_>, centre: Vec3, radius: f32) -> Deepest {
+    let start = centre - gap(object, centre).normal * radius;
+    at(object, align(|q| field::of_object(object, q), |q| field::ball(centre, radius, q), start, radius))
+}
+
+/// Rounds of the sampled search: each asks the samples for the farthest against the normal at the last answer.
+const SAMPLED_ROUNDS: usize = 3;
+
+/// A mesh part: the deepest sample, then Newton's method on the two normals (theory.md, equation 2.5).
+fn of_mesh(object: &ObjectShape<'_>, mesh: &MeshShape<'_>, x_wa: &Pose<World, PartFrame>) -> Deepest {
+    let to_part = x_wa.rotation.conjugate();
+    let mut best = at(object, x_wa.point(farthest_sample(mesh, to_part * (gap::centre(object) - x_wa.position))));
+    let mut normal = gap(object, x_wa.position).normal;
+    for _ in 0..SAMPLED_ROUNDS {
+        let next = at(object, x_wa.point(farthest_sample(mesh, to_part * -normal)));
+        normal = next.gap.normal;
+        if next.gap.distance < best.gap.distance {
+            best = next;
+        }
+    }
+    let start = to_part * (best.point - x_wa.position);
+    let (turn, back) = (Mat3::from_quat(to_part), Mat3::from_quat(x_wa.rotation));
+    let object_in_part = |q: Vec3| {
+        let Field { value, gradient, hessian } = field::of_object(object, x_wa.point(q));
+        Field { value, gradient: turn * gradient, hessian: turn * hessian * back }
+    };
+    at(object, x_wa.point(align(object_in_part, |q| mesh.grid().field(q), start, mesh.reach())))
+}
+
+fn of_part_in_ball(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, radius: f32) -> Deepest {
     let centre = Vec3::Z * radius;
     let point = closest_in_world(part, x_wa, centre);
     let normal = direction(point - centre, Vec3::Z);
     Deepest { point, gap: Gap { distance: root((point - centre).length_squared()) - radius, normal } }
 }
 
-fn at(object: &ObjectShape, point: Vec3) -> Deepest {
+fn at(object: &ObjectShape<'_>, point: Vec3) -> Deepest {
     Deepest { point, gap: gap(object, point) }
 }
 
-fn support_in_world(part: &ProbePart, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
+fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
     x_wa.point(support(&part.shape, x_wa.rotation.conjugate() * d_w))
 }
 
-fn closest_in_world(part: &ProbePart, x_wa: &Pose<World, PartFrame>, q_w: Vec3) -> Vec3 {
+fn closest_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, q_w: Vec3) -> Vec3 {
     x_wa.point(closest(&part.shape, x_wa.rotation.conjugate() * (q_w - x_wa.position)))
 }
 
@@ -79,7 +119,7 @@ const DESCENT_STEPS: usize = 16;
 
 /// Projected descent on the gap, largest step first; keeps the best point seen. A long step lands on the support point, which is
 /// the answer on flat faces and corners; the short ones settle on curved bodies.
-fn descend(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>) -> Deepest {
+fn descend(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Deepest {
     let size = reach(&part.shape) + object.height();
     let mut here = at(object, closest_in_world(part, x_wa, gap::centre(object)));
     let mut best = at(object, support_in_world(part, x_wa, -here.gap.normal));
@@ -104,7 +144,7 @@ const ROLLING_STEPS: usize = 8;
 
 /// Refines the deepest point on a curved object: the part's closest point to the centre of the ball that osculates the object under the
 /// present point. On a sphere one such step is the answer; the normal then no longer jitters as the probe turns.
-fn roll_down(object: &ObjectShape, part: &ProbePart, x_wa: &Pose<World, PartFrame>, start: Deepest) -> Deepest {
+fn roll_down(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, start: Deepest) -> Deepest {
     let mut best = start;
     for _ in 0..ROLLING_STEPS {
         let n = best.gap.normal;
@@ -133,7 +173,7 @@ mod tests {
     use super::*;
     use glam::Quat;
 
-    fn depth(object: ObjectShape, shape: ProbeShape, position: Vec3, rotation: Quat) -> f32 {
+    fn depth(object: ObjectShape<'_>, shape: ProbeShape<'_>, position: Vec3, rotation: Quat) -> f32 {
         let part = ProbePart::at_origin(shape);
         -deepest(&object, &part, &part_pose(&part, &Pose::new(position, rotation))).gap.distance
     }

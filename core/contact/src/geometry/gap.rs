@@ -18,22 +18,30 @@ pub struct Gap {
 }
 
 /// Gap of the world point `p_wq` \[m\] to the object.
-pub fn gap(object: &ObjectShape, p_wq: Vec3) -> Gap {
+pub fn gap(object: &ObjectShape<'_>, p_wq: Vec3) -> Gap {
     match *object {
         ObjectShape::HalfSpace => Gap { distance: p_wq.z, normal: Vec3::Z },
         ObjectShape::Box { size } => box_gap(0.5 * size, p_wq - Vec3::Z * (0.5 * size.z)),
         ObjectShape::Sphere { radius } => sphere_gap(radius, p_wq - Vec3::Z * radius),
         ObjectShape::Ellipsoid { semi_axes } => ellipsoid_gap(semi_axes, p_wq - Vec3::Z * semi_axes.z),
         ObjectShape::Cylinder { radius, height } => cylinder_gap(radius, 0.5 * height, p_wq - Vec3::Z * (0.5 * height)),
+        ObjectShape::Mesh(mesh) => {
+            let (distance, gradient) = mesh.grid().slope(p_wq);
+            Gap { distance, normal: direction(gradient, Vec3::Z) }
+        }
     }
 }
 
 /// The object's centre \[m\], world.
-pub fn centre(object: &ObjectShape) -> Vec3 {
+pub fn centre(object: &ObjectShape<'_>) -> Vec3 {
     match *object {
         ObjectShape::HalfSpace => Vec3::ZERO,
         ObjectShape::Box { .. } | ObjectShape::Sphere { .. } | ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. } => {
             Vec3::Z * (0.5 * object.height())
+        }
+        ObjectShape::Mesh(mesh) => {
+            let (low, high) = mesh.bounds();
+            0.5 * (low + high)
         }
     }
 }
@@ -96,13 +104,14 @@ fn ellipsoid_gap(semi_axes: Vec3, q: Vec3) -> Gap {
 }
 
 /// Largest depth for which the object's figures mean anything: half its smallest extent \[m\].
-pub fn deepest_meaningful(object: &ObjectShape) -> f32 {
+pub fn deepest_meaningful(object: &ObjectShape<'_>) -> f32 {
     match *object {
         ObjectShape::HalfSpace => f32::MAX,
         ObjectShape::Box { size } => 0.5 * min(size.x, min(size.y, size.z)),
         ObjectShape::Sphere { radius } => radius,
         ObjectShape::Ellipsoid { semi_axes } => min(semi_axes.x, min(semi_axes.y, semi_axes.z)),
         ObjectShape::Cylinder { radius, height } => min(radius, 0.5 * height),
+        ObjectShape::Mesh(mesh) => mesh.grid().inmost(),
     }
 }
 

@@ -36,18 +36,18 @@ impl Slice {
 const LONGEST: f32 = 1.0e4;
 
 /// Slice of `shape` at height `z` > 0 \[m\] above its deepest point along `d`.
-pub fn slice(shape: &ProbeShape, d: Vec3, z: f32) -> Slice {
+pub fn slice(shape: &ProbeShape<'_>, d: Vec3, z: f32) -> Slice {
     match *shape {
         ProbeShape::Box { size } => of_box(0.5 * size, d, z),
         ProbeShape::Cylinder { radius, height } => of_cylinder(radius, height, d, z),
         ProbeShape::Capsule { radius, height } => of_capsule(radius, height, d, z),
         ProbeShape::Cone { radius, height } => of_cone(radius, height, d, z),
-        ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. } => of_smooth(shape, d, z),
+        ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. } | ProbeShape::Mesh(_) => of_smooth(shape, d, z),
     }
 }
 
-/// Paraboloid slice of a smooth part; smooth parts use Hertz instead and come here only in tests of limits.
-fn of_smooth(shape: &ProbeShape, d: Vec3, z: f32) -> Slice {
+/// Paraboloid slice of a smooth part; smooth parts use Hertz and meshes their outlines instead, and come here only in tests of limits.
+fn of_smooth(shape: &ProbeShape<'_>, d: Vec3, z: f32) -> Slice {
     let radius = reach(shape);
     let height = min(z, radius);
     Slice::round(PI * (2.0 * radius * height - height * height), support(shape, d) - d * z)

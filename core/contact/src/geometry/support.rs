@@ -4,12 +4,15 @@
 
 use glam::Vec3;
 
+use crate::geometry::align::align;
 use crate::geometry::ellipsoid;
+use crate::geometry::field::{Field, ball};
 use crate::math::{clamp, clamp_to_box, direction, min, root};
+use crate::mesh_shape::MeshShape;
 use crate::model::ProbeShape;
 
 /// Farthest point of the shape along `d` (any length) \[m\].
-pub fn support(shape: &ProbeShape, d: Vec3) -> Vec3 {
+pub fn support(shape: &ProbeShape<'_>, d: Vec3) -> Vec3 {
     match *shape {
         ProbeShape::Sphere { radius } => direction(d, Vec3::Z) * radius,
         ProbeShape::Box { size } => 0.5 * size * signs(d),
@@ -24,7 +27,38 @@ pub fn support(shape: &ProbeShape, d: Vec3) -> Vec3 {
             let base = rim(d, radius) + Vec3::Z * (0.25 * height);
             if tip.dot(d) >= base.dot(d) { tip } else { base }
         }
+        ProbeShape::Mesh(mesh) => support_of_mesh(&mesh, d),
     }
+}
+
+/// Samples that are asked for the farthest: a sixteenth of a ball's radius apart, near enough for the refinement to start.
+const ASKED_SAMPLES: usize = 256;
+
+/// Farthest of a prefix of the samples along `d` \[m\].
+pub fn farthest_sample(mesh: &MeshShape<'_>, d: Vec3) -> Vec3 {
+    let mut best = (f32::MIN, Vec3::ZERO);
+    for sample in mesh.samples().iter().take(ASKED_SAMPLES) {
+        let along = sample.position.dot(d);
+        if along > best.0 {
+            best = (along, sample.position);
+        }
+    }
+    best.1
+}
+
+fn support_of_mesh(mesh: &MeshShape<'_>, d: Vec3) -> Vec3 {
+    let n = direction(d, Vec3::Z);
+    let start = farthest_sample(mesh, n);
+    align(|q| Field::flat(Vec3::ZERO, -n, q), |q| mesh.grid().field(q), start, mesh.reach())
+}
+
+/// Closest point of a mesh to an outer point: where the normal points at it.
+fn closest_of_mesh(mesh: &MeshShape<'_>, q: Vec3) -> Vec3 {
+    if mesh.grid().slope(q).0 <= 0.0 {
+        return q;
+    }
+    let start = farthest_sample(mesh, q);
+    align(|p| ball(q, 0.0, p), |p| mesh.grid().field(p), start, mesh.reach())
 }
 
 fn rim(d: Vec3, radius: f32) -> Vec3 {
@@ -40,7 +74,7 @@ fn signs(d: Vec3) -> Vec3 {
 }
 
 /// Closest point of the solid shape to `q`; `q` itself when it lies inside.
-pub fn closest(shape: &ProbeShape, q: Vec3) -> Vec3 {
+pub fn closest(shape: &ProbeShape<'_>, q: Vec3) -> Vec3 {
     match *shape {
         ProbeShape::Sphere { radius } => within(q, radius),
         ProbeShape::Box { size } => clamp_to_box(q, 0.5 * size),
@@ -60,6 +94,7 @@ pub fn closest(shape: &ProbeShape, q: Vec3) -> Vec3 {
             axis + within(q - axis, radius)
         }
         ProbeShape::Cone { radius, height } => closest_cone(q, radius, height),
+        ProbeShape::Mesh(mesh) => closest_of_mesh(&mesh, q),
     }
 }
 
@@ -88,7 +123,7 @@ fn closest_cone(q: Vec3, radius: f32, height: f32) -> Vec3 {
 }
 
 /// Radius of a ball about the part's origin that holds the shape \[m\].
-pub fn reach(shape: &ProbeShape) -> f32 {
+pub fn reach(shape: &ProbeShape<'_>) -> f32 {
     match *shape {
         ProbeShape::Sphere { radius } => radius,
         ProbeShape::Box { size } => 0.5 * root(size.length_squared()),
@@ -99,27 +134,30 @@ pub fn reach(shape: &ProbeShape) -> f32 {
             let base = root(radius * radius + 0.0625 * height * height);
             if base > 0.75 * height { base } else { 0.75 * height }
         }
+        ProbeShape::Mesh(mesh) => mesh.reach(),
     }
 }
 
 /// Half the smallest extent of the shape: depths beyond it mean nothing \[m\].
-pub fn half_thickness(shape: &ProbeShape) -> f32 {
+pub fn half_thickness(shape: &ProbeShape<'_>) -> f32 {
     match *shape {
         ProbeShape::Sphere { radius } | ProbeShape::Capsule { radius, .. } => radius,
         ProbeShape::Box { size } => 0.5 * size.min_element(),
         ProbeShape::Ellipsoid { semi_axes } => semi_axes.min_element(),
         ProbeShape::Cylinder { radius, height } | ProbeShape::Cone { radius, height } => min(radius, 0.5 * height),
+        ProbeShape::Mesh(mesh) => mesh.grid().inmost(),
     }
 }
 
 /// Radius of the widest disc a contact of the shape can cover \[m\].
-pub fn widest_disc(shape: &ProbeShape) -> f32 {
+pub fn widest_disc(shape: &ProbeShape<'_>) -> f32 {
     match *shape {
         ProbeShape::Sphere { radius } => radius,
         ProbeShape::Ellipsoid { semi_axes: a } => root(a.x * a.y * a.z / a.min_element()),
         ProbeShape::Box { .. } | ProbeShape::Cylinder { .. } | ProbeShape::Cone { .. } | ProbeShape::Capsule { .. } => {
             reach(shape)
         }
+        ProbeShape::Mesh(mesh) => mesh.widest_disc(),
     }
 }
 
@@ -127,7 +165,7 @@ pub fn widest_disc(shape: &ProbeShape) -> f32 {
 mod tests {
     use super::*;
 
-    const SHAPES: [ProbeShape; 6] = [
+    const SHAPES: [ProbeShape<'_>; 6] = [
         ProbeShape::Sphere { radius: 0.02 },
         ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.01) },
         ProbeShape::Cylinder { radius: 0.01, height: 0.04 },

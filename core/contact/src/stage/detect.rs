@@ -22,7 +22,7 @@ pub fn detect(model: &Model<'_>, x_wp: &Pose<World, ProbeFrame>, contacts: &mut 
     left_out
 }
 
-fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart, x_wp: &Pose<World, ProbeFrame>) -> Option<Contact> {
+fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart<'_>, x_wp: &Pose<World, ProbeFrame>) -> Option<Contact> {
     let x_wa = part_pose(part, x_wp);
     if is_clear(&model.object, part, &x_wa) {
         return None;

@@ -157,7 +157,7 @@ mod tests {
     use crate::{Input, Quat, Scratch, State, step};
 
     /// Presses a ball to 2 mm, drags it 0.3 mm and turns it by 0.2 rad, then hands the surface to `look`.
-    fn after_a_mixed_motion(object: ObjectShape, tier: Tier, look: impl Fn(&Surface<'_>)) {
+    fn after_a_mixed_motion(object: ObjectShape<'_>, tier: Tier, look: impl Fn(&Surface<'_>)) {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1100.0 };
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
         let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();
@@ -174,7 +174,7 @@ mod tests {
         look(&Surface { model: &model, params: &params, patches: state.patches(), p_wp: place, body: true });
     }
 
-    const SHAPES: [ObjectShape; 5] = [
+    const SHAPES: [ObjectShape<'_>; 5] = [
         ObjectShape::HalfSpace,
         ObjectShape::Box { size: Vec3::splat(0.1) },
         ObjectShape::Cylinder { radius: 0.05, height: 0.1 },

@@ -51,9 +51,10 @@ impl Section {
     }
 
     /// The widest section of a shape; `None` for a half space.
-    pub fn of(object: &ObjectShape) -> Option<Self> {
+    pub fn of(object: &ObjectShape<'_>) -> Option<Self> {
         match *object {
             ObjectShape::HalfSpace => None,
+            ObjectShape::Mesh(mesh) => Self::of(&mesh.stand_in()),
             ObjectShape::Box { size: Vec3 { x, y, .. } } => Some(Self::rectangle(0.5 * Vec2::new(x, y))),
             ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => Some(Self::ellipse(Vec2::splat(radius))),
             ObjectShape::Ellipsoid { semi_axes } => Some(Self::ellipse(Vec2::new(semi_axes.x, semi_axes.y))),
@@ -61,7 +62,7 @@ impl Section {
     }
 
     /// Width of the section at the height `z` over that of the widest one: 1 for columns, less towards the ends of round bodies.
-    pub fn width_at(object: &ObjectShape, z: f32) -> f32 {
+    pub fn width_at(object: &ObjectShape<'_>, z: f32) -> f32 {
         if !is_round(object) {
             return 1.0;
         }
@@ -89,8 +90,12 @@ impl Section {
 }
 
 /// Whether the body narrows towards both ends.
-pub fn is_round(object: &ObjectShape) -> bool {
-    matches!(object, ObjectShape::Sphere { .. } | ObjectShape::Ellipsoid { .. })
+pub fn is_round(object: &ObjectShape<'_>) -> bool {
+    match object {
+        ObjectShape::Sphere { .. } | ObjectShape::Ellipsoid { .. } => true,
+        ObjectShape::Mesh(mesh) => is_round(&mesh.stand_in()),
+        ObjectShape::HalfSpace | ObjectShape::Box { .. } | ObjectShape::Cylinder { .. } => false,
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! From the scene file to the baked scene that the host reads.
 
+use haptor_contact::geometry::support::support;
 use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, Tier, Vec3};
 use haptor_wire as wire;
 use haptor_wire::{BakedScene, Place, ProbeParts};
@@ -17,7 +18,7 @@ impl Scene {
     pub fn bake(&self) -> Result<BakedScene, String> {
         let (spec, params, material) = (self.model_spec(), &self.params, &self.object.material);
         Ok(BakedScene {
-            object: object_shape(self.object.shape),
+            object: object_shape(self.object.shape)?,
             fixed_below: self.object.fixed_below.unwrap_or(self.object.shape.default_fixed_below()),
             young_modulus: material.young_modulus,
             poisson_ratio: material.poisson_ratio,
@@ -60,7 +61,7 @@ impl Scene {
 ///
 /// The support of a convex shape in direction -z, taken in the part's own frame: the part's lowest point is where its direction
 /// towards the ground leaves it.
-fn lowest(part: &ProbePart) -> f32 {
+fn lowest(part: &ProbePart<'_>) -> f32 {
     let down = part.rotation.conjugate() * -Vec3::Z;
     let across = (down.x * down.x + down.y * down.y).sqrt();
     let reach = match part.shape {
@@ -70,40 +71,46 @@ fn lowest(part: &ProbePart) -> f32 {
         ProbeShape::Cylinder { radius, height } => radius * across + 0.5 * height * down.z.abs(),
         ProbeShape::Capsule { radius, height } => radius + 0.5 * height * down.z.abs(),
         ProbeShape::Cone { radius, height } => (-0.75 * height * down.z).max(radius * across + 0.25 * height * down.z),
+        ProbeShape::Mesh(_) => support(&part.shape, down).dot(down),
     };
     part.position.z - reach
 }
 
-fn object_shape(shape: ObjectShape) -> wire::ObjectShape {
-    match shape {
+/// Why a mesh is not sent.
+const NO_MESHES: &str = "shape mesh: the host does not take meshes";
+
+fn object_shape(shape: ObjectShape<'_>) -> Result<wire::ObjectShape, String> {
+    Ok(match shape {
         ObjectShape::HalfSpace => wire::ObjectShape::HalfSpace,
         ObjectShape::Box { size } => wire::ObjectShape::Box { size: size.to_array() },
         ObjectShape::Sphere { radius } => wire::ObjectShape::Sphere { radius },
         ObjectShape::Ellipsoid { semi_axes } => wire::ObjectShape::Ellipsoid { semi_axes: semi_axes.to_array() },
         ObjectShape::Cylinder { radius, height } => wire::ObjectShape::Cylinder { radius, height },
-    }
+        ObjectShape::Mesh(_) => return Err(NO_MESHES.to_owned()),
+    })
 }
 
-fn parts(parts: &[ProbePart]) -> Result<ProbeParts, String> {
-    let converted: Vec<_> = parts.iter().map(part).collect();
+fn parts(parts: &[ProbePart<'_>]) -> Result<ProbeParts, String> {
+    let converted = parts.iter().map(part).collect::<Result<Vec<_>, _>>()?;
     ProbeParts::from_slice(&converted)
         .ok_or_else(|| format!("probe.part: {} parts, the host takes {}", parts.len(), wire::scene::MAX_PARTS))
 }
 
-fn part(part: &ProbePart) -> wire::ProbePart {
+fn part(part: &ProbePart<'_>) -> Result<wire::ProbePart, String> {
     let q = part.rotation;
-    wire::ProbePart { shape: probe_shape(part.shape), position: part.position.to_array(), rotation: [q.w, q.x, q.y, q.z] }
+    Ok(wire::ProbePart { shape: probe_shape(part.shape)?, position: part.position.to_array(), rotation: [q.w, q.x, q.y, q.z] })
 }
 
-fn probe_shape(shape: ProbeShape) -> wire::ProbeShape {
-    match shape {
+fn probe_shape(shape: ProbeShape<'_>) -> Result<wire::ProbeShape, String> {
+    Ok(match shape {
         ProbeShape::Sphere { radius } => wire::ProbeShape::Sphere { radius },
         ProbeShape::Box { size } => wire::ProbeShape::Box { size: size.to_array() },
         ProbeShape::Cylinder { radius, height } => wire::ProbeShape::Cylinder { radius, height },
         ProbeShape::Cone { radius, height } => wire::ProbeShape::Cone { radius, height },
         ProbeShape::Capsule { radius, height } => wire::ProbeShape::Capsule { radius, height },
         ProbeShape::Ellipsoid { semi_axes } => wire::ProbeShape::Ellipsoid { semi_axes: semi_axes.to_array() },
-    }
+        ProbeShape::Mesh(_) => return Err(NO_MESHES.to_owned()),
+    })
 }
 
 fn tier(tier: Tier) -> wire::Tier {

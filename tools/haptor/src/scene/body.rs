@@ -8,7 +8,7 @@ use super::document::{Key, SceneError, Section, key};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
     /// Its shape.
-    pub shape: ObjectShape,
+    pub shape: ObjectShape<'static>,
     /// Its material.
     pub material: Material,
     /// Surface points at or below this are held \[m\]; `None` takes the shape's default.
@@ -21,7 +21,7 @@ pub struct Object {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Its parts, 1 to [`MAX_PARTS`].
-    pub parts: Vec<ProbePart>,
+    pub parts: Vec<ProbePart<'static>>,
     /// True when the file lists the parts itself, so that messages name the part.
     pub compound: bool,
     /// Mass \[kg\].
@@ -116,7 +116,7 @@ pub fn object(section: &Section<'_, '_>) -> Result<Object, SceneError> {
     Ok(object)
 }
 
-fn object_shape(section: &Section<'_, '_>, kind: ObjectKind) -> Result<ObjectShape, SceneError> {
+fn object_shape(section: &Section<'_, '_>, kind: ObjectKind) -> Result<ObjectShape<'static>, SceneError> {
     Ok(match kind {
         ObjectKind::HalfSpace => ObjectShape::HalfSpace,
         ObjectKind::Box => ObjectShape::Box { size: vector(section, SIZE)? },
@@ -143,7 +143,7 @@ pub fn probe(section: &Section<'_, '_>) -> Result<Probe, SceneError> {
     Ok(Probe { parts, compound, mass })
 }
 
-fn probe_shape(section: &Section<'_, '_>, kind: ProbeKind) -> Result<ProbeShape, SceneError> {
+fn probe_shape(section: &Section<'_, '_>, kind: ProbeKind) -> Result<ProbeShape<'static>, SceneError> {
     let radius = || section.number(RADIUS);
     let height = || section.number(HEIGHT);
     Ok(match kind {
@@ -160,7 +160,7 @@ fn probe_shape(section: &Section<'_, '_>, kind: ProbeKind) -> Result<ProbeShape,
     })
 }
 
-fn parts(section: &Section<'_, '_>) -> Result<Vec<ProbePart>, SceneError> {
+fn parts(section: &Section<'_, '_>) -> Result<Vec<ProbePart<'static>>, SceneError> {
     let sections = section.sections(PART)?;
     if !(1..=MAX_PARTS).contains(&sections.len()) {
         let what = format!("{} parts, allowed is 1 to {MAX_PARTS}; add or join parts", sections.len());
@@ -169,7 +169,7 @@ fn parts(section: &Section<'_, '_>) -> Result<Vec<ProbePart>, SceneError> {
     sections.iter().map(part).collect()
 }
 
-fn part(section: &Section<'_, '_>) -> Result<ProbePart, SceneError> {
+fn part(section: &Section<'_, '_>) -> Result<ProbePart<'static>, SceneError> {
     let kind = section.word(PART_SHAPE, &PROBE_KINDS)?;
     let shape = probe_shape(section, kind)?;
     let position = section.optional_numbers(POSITION)?.map_or(Vec3::ZERO, Vec3::from_array);

@@ -171,7 +171,7 @@ impl Station {
     };
 
     /// The station at the height `z`.
-    pub(super) fn at_rest(object: &ObjectShape, section: &Section, z: f32) -> Self {
+    pub(super) fn at_rest(object: &ObjectShape<'_>, section: &Section, z: f32) -> Self {
         let width = max(Section::width_at(object, z), LEAST_WIDTH);
         let mut station = Self { z, half: section.half, width, diagonal: section.diagonal, ..Self::REST };
         for ((place, _), (i, &(x, y))) in station.anchors.iter_mut().zip(DIRECTIONS.iter().enumerate()) {

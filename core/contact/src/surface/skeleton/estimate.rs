@@ -34,7 +34,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn over(object: &ObjectShape, section: &Section, material: &Material, base: f32, top: f32) -> Self {
+    fn over(object: &ObjectShape<'_>, section: &Section, material: &Material, base: f32, top: f32) -> Self {
         let (e, g) = (material.young_modulus, material.shear_modulus());
         let slice = (top - base) / SLICES as f32;
         let mut sums = Self::default();
@@ -56,7 +56,7 @@ impl Sums {
 ///
 /// On top the normal compliance is nothing, as finite elements find; on a side the beam bends under the load. Between, by the square
 /// of the normal's height.
-pub fn estimate(object: &ObjectShape, material: &Material, base: f32, p_wc: Vec3, n: Vec3) -> Compliance {
+pub fn estimate(object: &ObjectShape<'_>, material: &Material, base: f32, p_wc: Vec3, n: Vec3) -> Compliance {
     let Some(section) = Section::of(object) else { return Compliance::default() };
     if p_wc.z <= base {
         return Compliance::default();
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     /// Estimates in units of finite elements, drag and twist, at the top.
-    fn over_finite_elements(object: ObjectShape, length: f32, drag: f32, twist: f32) -> (f32, f32) {
+    fn over_finite_elements(object: ObjectShape<'_>, length: f32, drag: f32, twist: f32) -> (f32, f32) {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
         let (base, top) = (object.default_fixed_below(), Vec3::Z * object.height());
         let found = estimate(&object, &material, base, top, Vec3::Z);

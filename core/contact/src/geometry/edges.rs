@@ -1,0 +1,263 @@
+//! What an edge or a rim of the object leaves of a part's slice.
+//!
+//! The object's faces bound where a part can be carried: a flat that overhangs an edge rests on what lies on the face, and a flat that
+//! meets an edge head on rests on a strip as wide as the edge is blunt at that depth. The rule (theory.md, equation 3.10): the object is cut by the
+//! plane through the part's deepest point at right angles to the normal; the share of the part's slice that lies over this cut counts. Away
+//! from edges the share is exactly 1. Frame of the part, SI units.
+
+use glam::{Quat, Vec2, Vec3};
+
+use crate::geometry::deepest::Deepest;
+use crate::geometry::gap;
+use crate::geometry::outline::{DIRECTIONS, RAYS};
+use crate::math::{direction, max, min, root};
+use crate::model::{ObjectShape, ProbeShape};
+
+/// Corners of a slice while it is cut: one per ray, and one more for each face and each tangent of a rim.
+const MAX_CORNERS: usize = RAYS + FACES + RAYS;
+
+/// Flat faces an object may have.
+const FACES: usize = 6;
+
+/// A flat face of the object as seen from the deepest point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Face {
+    /// Outward normal along the tangents.
+    along: Vec2,
+    /// Outward normal's share of the contact's normal.
+    rise: f32,
+    /// Distance from the deepest point to the face \[m\].
+    slack: f32,
+}
+
+/// The round side of a cylinder as seen from the deepest point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    /// Deepest point from the axis, across it, in world \[m\].
+    off: Vec3,
+    /// The contact's normal and tangents across the axis, in world.
+    across: [Vec3; 3],
+    radius: f32,
+}
+
+/// The object's edges about a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edges {
+    faces: [Face; FACES],
+    side: Option<Side>,
+    /// The contact's normal and tangents in the part's frame.
+    frame: [Vec3; 3],
+    /// Deepest point in the part's frame \[m\].
+    lowest: Vec3,
+    /// Depth of that point \[m\].
+    depth: f32,
+}
+
+/// What is left of a slice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// Share of the area.
+    pub share: f32,
+    /// How far the centroid moves \[m\].
+    pub moved: Vec3,
+}
+
+impl Left {
+    /// All of it.
+    pub const ALL: Self = Self { share: 1.0, moved: Vec3::ZERO };
+}
+
+impl Edges {
+    /// Edges of the object about the deepest point `lowest` of a part; `frame` holds normal and tangents in world. `None` where there is no edge
+    /// within `reach` \[m\] of it.
+    pub fn about(object: &ObjectShape<'_>, at: &Deepest, frame: [Vec3; 3], to_part: Quat, lowest: Vec3, reach: f32) -> Option<Self> {
+        let p = at.point - gap::centre(object);
+        let face = |outward: Vec3, half: f32| Face {
+            along: Vec2::new(outward.dot(frame[1]), outward.dot(frame[2])),
+            rise: outward.dot(frame[0]),
+            slack: half - outward.dot(p),
+        };
+        let pair = |axis: Vec3, half: f32| [face(axis, half), face(-axis, half)];
+        let (faces, side) = match *object {
+            ObjectShape::Box { size } => {
+                let half = 0.5 * size;
+                let ([a, b], [c, d], [e, f]) = (pair(Vec3::X, half.x), pair(Vec3::Y, half.y), pair(Vec3::Z, half.z));
+                ([a, b, c, d, e, f], None)
+            }
+            ObjectShape::Cylinder { radius, height } => {
+                let [top, bottom] = pair(Vec3::Z, 0.5 * height);
+                let across = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
+                let none = Face { slack: f32::MAX, ..Face::default() };
+                ([top, bottom, none, none, none, none], Some(Side { off: across(p), across: frame.map(across), radius }))
+            }
+            _ => return None,
+        };
+        let edges = Self { faces, side, frame: frame.map(|e| to_part * e), lowest, depth: -at.gap.distance };
+        let near = edges.faces.iter().any(|face| face.slack < reach * root(face.along.length_squared()));
+        let near_side = edges.side.is_some_and(|side| side.radius - root(side.off.length_squared()) < reach);
+        (near || near_side).then_some(edges)
+    }
+
+    /// What is left of the slice of `shape` with this `centroid` at `depth` \[m\].
+    pub fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
+        let [_, e1, e2] = self.frame;
+        let from_lowest = centroid - self.lowest;
+        let middle = Vec2::new(from_lowest.dot(e1), from_lowest.dot(e2));
+        let mut corners = heapless::Vec::<Vec2, MAX_CORNERS>::new();
+        for ray in DIRECTIONS {
+            let length = exit(shape, centroid, e1 * ray.x + e2 * ray.y);
+            let _ = corners.push(middle + ray * length);
+        }
+        let (share, moved) = self.kept(&corners, depth);
+        Left { share, moved: e1 * moved.x + e2 * moved.y }
+    }
+
+    /// Share of a polygon about the deepest point that lies over the object's cut at `depth`, and how far its centroid moves.
+    pub fn kept(&self, corners: &[Vec2], depth: f32) -> (f32, Vec2) {
+        // at a smaller depth the deepest point stands higher
+        let lift = self.depth - depth;
+        let mut polygon = heapless::Vec::<Vec2, MAX_CORNERS>::new();
+        let _ = polygon.extend_from_slice(corners);
+        let mut cut = false;
+        for face in self.faces {
+            cut |= clip(&mut polygon, face.along, face.slack - face.rise * lift);
+        }
+        if let Some(side) = self.side {
+            for &corner in corners {
+                let (normal, limit) = side.tangent(corner, lift);
+                cut |= clip(&mut polygon, normal, limit);
+            }
+        }
+        if !cut {
+            return (1.0, Vec2::ZERO);
+        }
+        let ((whole, old), (left, new)) = (area_and_centroid(corners), area_and_centroid(&polygon));
+        if whole > 0.0 && left > 0.0 { (min(left / whole, 1.0), new - old) } else { (0.0, Vec2::ZERO) }
+    }
+}
+
+impl Side {
+    /// The tangent of the round side nearest to a corner, as a half plane along the tangents.
+    fn tangent(&self, corner: Vec2, lift: f32) -> (Vec2, f32) {
+        let [n, e1, e2] = self.across;
+        let start = self.off + n * lift;
+        let out = direction(start + e1 * corner.x + e2 * corner.y, Vec3::X);
+        (Vec2::new(out.dot(e1), out.dot(e2)), self.radius - out.dot(start))
+    }
+}
+
+/// Keeps the part of the polygon where normal . x <= limit; false where that is all of it.
+fn clip(polygon: &mut heapless::Vec<Vec2, MAX_CORNERS>, normal: Vec2, limit: f32) -> bool {
+    if polygon.iter().all(|corner| normal.dot(*corner) <= limit) {
+        return false;
+    }
+    let mut kept = heapless::Vec::new();
+    let mut last = polygon.last().copied().unwrap_or_default();
+    for &here in polygon.iter() {
+        let (a, b) = (normal.dot(last) - limit, normal.dot(here) - limit);
+        if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
+            let _ = kept.push(last + (here - last) * (a / (a - b)));
+        }
+        if b <= 0.0 {
+            let _ = kept.push(here);
+        }
+        last = here;
+    }
+    *polygon = kept;
+    true
+}
+
+fn area_and_centroid(corners: &[Vec2]) -> (f32, Vec2) {
+    let Some(&origin) = corners.first() else { return (0.0, Vec2::ZERO) };
+    let (mut twice, mut moment) = (0.0, Vec2::ZERO);
+    for pair in corners.windows(2) {
+        if let [u, v] = *pair {
+            let (u, v) = (u - origin, v - origin);
+            let cross = u.perp_dot(v);
+            twice += cross;
+            moment += (u + v) * cross;
+        }
+    }
+    if twice > 0.0 { (0.5 * twice, origin + moment / (3.0 * twice)) } else { (0.0, origin) }
+}
+
+/// How far a ray along the unit vector `e` runs in the shape from the inner point `q` \[m\].
+fn exit(shape: &ProbeShape<'_>, q: Vec3, e: Vec3) -> f32 {
+    match *shape {
+        ProbeShape::Sphere { radius } => of_ball(q, e, radius),
+        ProbeShape::Ellipsoid { semi_axes } => first_root(-(e / semi_axes).length_squared(), -2.0 * (e / semi_axes).dot(q / semi_axes), 1.0 - (q / semi_axes).length_squared()),
+        ProbeShape::Box { size } => {
+            let half = 0.5 * size;
+            min(slab(q.x, e.x, half.x), min(slab(q.y, e.y, half.y), slab(q.z, e.z, half.z)))
+        }
+        ProbeShape::Cylinder { radius, height } => min(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height)),
+        ProbeShape::Capsule { radius, height } => {
+            let end = Vec3::Z * (0.5 * height);
+            let straight = min(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height));
+            let inside = if q.z.abs() <= 0.5 * height { straight } else { 0.0 };
+            max(inside, max(of_ball(q - end, e, radius), of_ball(q + end, e, radius)))
+        }
+        ProbeShape::Cone { radius, height } => {
+            let (slope, above) = (radius / height, q.z + 0.75 * height);
+            let (er, qr) = (Vec2::new(e.x, e.y), Vec2::new(q.x, q.y));
+            let (a, b) = (slope * slope * e.z * e.z - er.length_squared(), 2.0 * (slope * slope * above * e.z - qr.dot(er)));
+            let side = first_root(a, b, slope * slope * above * above - qr.length_squared());
+            min(side, if e.z > 0.0 { max(0.25 * height - q.z, 0.0) / e.z } else { f32::MAX })
+        }
+        ProbeShape::Mesh(mesh) => mesh.reach(),
+    }
+}
+
+fn slab(q: f32, e: f32, half: f32) -> f32 {
+    if e == 0.0 { f32::MAX } else { max((if e > 0.0 { half - q } else { -half - q }) / e, 0.0) }
+}
+
+fn of_tube(q: Vec3, e: Vec3, radius: f32) -> f32 {
+    let (q, e) = (Vec2::new(q.x, q.y), Vec2::new(e.x, e.y));
+    first_root(-e.length_squared(), -2.0 * q.dot(e), radius * radius - q.length_squared())
+}
+
+/// Where a ray leaves a ball for good; 0 where it misses it.
+fn of_ball(q: Vec3, e: Vec3, radius: f32) -> f32 {
+    let (b, c) = (q.dot(e), q.length_squared() - radius * radius);
+    let rest = b * b - c;
+    if rest > 0.0 { max(root(rest) - b, 0.0) } else { 0.0 }
+}
+
+/// First zero at t >= 0 of a t^2 + b t + c, which is not negative at 0.
+fn first_root(a: f32, b: f32, c: f32) -> f32 {
+    let c = max(c, 0.0);
+    let rest = b * b - 4.0 * a * c;
+    let far = if rest <= 0.0 && a > 0.0 { return f32::MAX } else { root(rest) };
+    // 2 c/(root - b) and (-b - root)/(2 a) are the same zero; the first cancels where b > 0
+    let found = if b <= 0.0 { 2.0 * c / (far - b) } else { (-b - far) / (2.0 * a) };
+    if found >= 0.0 && found.is_finite() { found } else { f32::MAX }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::support::{closest, reach};
+
+    #[test]
+    fn rays_end_on_the_surface() {
+        let shapes = [
+            ProbeShape::Sphere { radius: 0.02 },
+            ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.01) },
+            ProbeShape::Cylinder { radius: 0.01, height: 0.04 },
+            ProbeShape::Cone { radius: 0.01, height: 0.03 },
+            ProbeShape::Capsule { radius: 0.005, height: 0.03 },
+            ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.01, 0.02, 0.03) },
+        ];
+        for shape in shapes {
+            for i in 0..200 {
+                let f = i as f32;
+                let q = Vec3::new(libm::sinf(f), libm::sinf(2.3 * f), libm::cosf(0.7 * f)) * 0.003;
+                let e = direction(Vec3::new(libm::cosf(3.1 * f), libm::sinf(1.7 * f), libm::cosf(f)), Vec3::X);
+                let t = exit(&shape, q, e);
+                let off = |t: f32| (closest(&shape, q + e * t) - (q + e * t)).length();
+                assert!(t < 2.0 * reach(&shape) && off(t) < 1.0e-6 && off(t + 1.0e-4) > 1.0e-7, "{shape:?} {q} {e}: {t}");
+            }
+        }
+    }
+}

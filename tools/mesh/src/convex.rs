@@ -1,0 +1,120 @@
+//! How far a mesh is from convex, and cutting it into convex parts.
+//!
+//! The core makes at most one contact per part, which is the whole truth for convex parts only. A probe whose **concavity** (depth of the
+//! surface's deepest point inside the convex hull, over the diagonal of the bounds; vertices and points spread by area are asked, because the
+//! vertices of a prism's hollow all lie on its hull) exceeds a tolerance is cut (approximate convex decomposition on
+//! voxels; K. Mamou, Volumetric hierarchical approximate convex decomposition, 2016), and every part is replaced by its convex hull.
+
+use glam::DVec3;
+use parry3d_f64::transformation::{try_convex_hull, vhacd};
+
+use crate::distance::{Distance, to_tree};
+use crate::mesh::Mesh;
+use crate::samples::places_by_area;
+
+/// Concavity below which a mesh is taken as convex: facets and rounding of a file, not a hollow.
+pub const CONVEX: f64 = 2.0e-3;
+
+/// How fine a mesh is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutSpec {
+    /// Most parts; the core takes 16.
+    pub parts: usize,
+    /// Voxels along the longest side.
+    pub voxels: u32,
+    /// Concavity at which a part is left whole, as a share of the whole's.
+    pub concavity: f64,
+}
+
+impl Default for CutSpec {
+    fn default() -> Self {
+        Self { parts: 16, voxels: 96, concavity: 5.0e-3 }
+    }
+}
+
+/// Convex hull; `None` where the points span no volume.
+pub fn hull(mesh: &Mesh) -> Option<Mesh> {
+    let points: Vec<_> = mesh.vertices.iter().map(|&v| to_tree(v)).collect();
+    let (vertices, triangles) = try_convex_hull(&points).ok()?;
+    Some(Mesh { vertices: vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect(), triangles })
+}
+
+/// Depth of the surface's deepest point inside the hull over the diagonal of the bounds; `None` where there is no hull.
+pub fn concavity(mesh: &Mesh) -> Option<f64> {
+    let hull = Distance::new(&hull(mesh)?)?;
+    let (low, high) = mesh.bounds()?;
+    let points = mesh.vertices.iter().copied().chain(places_by_area(mesh, ASKED));
+    let deepest = points.map(|p| -hull.signed(p)).fold(0.0, f64::max);
+    Some(deepest / (high - low).length())
+}
+
+/// Points of the surface that are asked for their depth: fifty along a side of a cube.
+const ASKED: usize = 16_384;
+
+/// Cuts a solid mesh into convex parts, each closed and outside out; empty where it has no volume.
+pub fn cut(mesh: &Mesh, spec: &CutSpec) -> Vec<Mesh> {
+    let points: Vec<_> = mesh.vertices.iter().map(|&v| to_tree(v)).collect();
+    let parameters = vhacd::VHACDParameters {
+        resolution: spec.voxels,
+        concavity: spec.concavity,
+        plane_downsampling: 2,
+        convex_hull_downsampling: 2,
+        max_convex_hulls: spec.parts as u32,
+        ..vhacd::VHACDParameters::default()
+    };
+    let parts = vhacd::VHACD::decompose(&parameters, &points, &mesh.triangles, true);
+    let as_mesh = |(vertices, _): (Vec<parry3d_f64::math::Vector>, Vec<[u32; 3]>)| {
+        hull(&Mesh { vertices: vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect(), triangles: Vec::new() })
+    };
+    parts.compute_exact_convex_hulls(&points, &mesh.triangles).into_iter().filter_map(as_mesh).collect()
+}
+
+/// An L of two unit cubes' width: the union of [0, 2] x [0, 1] x [0, 1] and [0, 1] x [0, 2] x [0, 1].
+#[cfg(test)]
+pub(crate) fn ell() -> Mesh {
+    let outline = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
+    let vertices = [0.0, 1.0].iter().flat_map(|&z| outline.iter().map(move |&(x, y)| DVec3::new(x, y, z))).collect();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for k in 0..6 {
+        let next = (k + 1) % 6;
+        triangles.extend([[k, next, next + 6], [k, next + 6, k + 6]]);
+    }
+    // the cap is a fan about the hollow corner, which sees every other
+    for k in [4, 5, 0, 1] {
+        let next = (k + 1) % 6;
+        triangles.extend([[3, next, k], [9, k + 6, next + 6]]);
+    }
+    Mesh { vertices, triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{check, properties, tessellate};
+
+    #[test]
+    fn convex_meshes_have_no_concavity_and_a_hollow_has_its_depth() {
+        for mesh in
+            [tessellate::cuboid(DVec3::ONE), tessellate::ellipsoid(DVec3::new(1.0, 2.0, 3.0), 32), tessellate::cone(1.0, 2.0, 32)]
+        {
+            assert!(concavity(&mesh).unwrap() < 1e-9, "{:?}", concavity(&mesh));
+        }
+        // half way up, the hollow edge lies 1/2 under the caps and 1/sqrt(2) under the plane from (2, 1) to (1, 2)
+        let found = concavity(&ell()).unwrap();
+        assert!((found - 0.5 / 3.0).abs() < 4e-3, "{found}");
+    }
+
+    #[test]
+    fn an_l_is_cut_into_few_solid_convex_parts_that_fill_it() {
+        assert!(check(&ell()).is_solid());
+        let parts = cut(&ell(), &CutSpec::default());
+        assert!((2..=16).contains(&parts.len()), "{} parts", parts.len());
+        let mut volume = 0.0;
+        for part in &parts {
+            assert!(check(part).is_watertight() && !check(part).inside_out, "{:?}", check(part));
+            assert!(concavity(part).unwrap() < 1e-6);
+            volume += properties(part).unwrap().volume;
+        }
+        assert!((volume / 3.0 - 1.0).abs() < 0.03, "{} parts of {volume} m^3 in sum", parts.len());
+    }
+}
