@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use haptor_wire::FrameError;
 use haptor_wire::scene::{FILE_MAX, encode_file};
+use haptor_wire::sections::{GRID, SECTION_OVERHEAD, encode_section};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -34,7 +36,14 @@ pub fn run(args: &Args) -> Outcome {
 /// [`Failure::BadInput`] when the host cannot run the scene or the file cannot be written.
 pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     let baked = scene.bake().map_err(|what| Failure::bad_input(format!("{name}: {what}")))?;
-    let mut file = [0; FILE_MAX];
-    let length = encode_file(&baked, &mut file).map_err(|error| Failure::problem(format!("{name}: {error}")))?;
-    output::write_file(path, &file[..length])
+    let problem = |error: FrameError| Failure::problem(format!("{name}: {error}"));
+    let mut file = vec![0; FILE_MAX];
+    let length = encode_file(&baked, &mut file).map_err(problem)?;
+    file.truncate(length);
+    for skin in scene.skins() {
+        let (start, contents) = (file.len(), skin.contents());
+        file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
+        encode_section(GRID, &contents, &mut file[start..]).map_err(problem)?;
+    }
+    output::write_file(path, &file)
 }
