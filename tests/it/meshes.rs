@@ -70,7 +70,13 @@ fn a_mesh_probe_is_felt_as_its_primitive() {
         ("cylinder upright", ProbeShape::Cylinder { radius, height }, tessellate::cylinder(0.01, 0.02, 96), 80, Quat::IDENTITY),
         ("cylinder lying", ProbeShape::Cylinder { radius, height }, tessellate::cylinder(0.01, 0.02, 96), 50, lying),
         ("box", ProbeShape::Box { size }, tessellate::cuboid(wide(size)), 90, Quat::IDENTITY),
-        ("ellipsoid", ProbeShape::Ellipsoid { semi_axes }, tessellate::ellipsoid(wide(semi_axes), 160), 50, Quat::from_rotation_y(0.4)),
+        (
+            "ellipsoid",
+            ProbeShape::Ellipsoid { semi_axes },
+            tessellate::ellipsoid(wide(semi_axes), 160),
+            50,
+            Quat::from_rotation_y(0.4),
+        ),
     ];
     let egg = ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) };
     for (name, truth, mesh, cells, turn) in cases {
@@ -102,7 +108,9 @@ fn a_mesh_object_is_felt_as_its_primitive() {
         let (mesh, _) = on_its_base(&mesh).expect("a solid");
         let copy: &'static Baked = Box::leak(Box::new(baked(&mesh, cells)));
         let top = Vec3::Z * truth.height();
-        for (name, shape, lift) in [("ball", TRUE_BALL, 0.02), ("punch", ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 0.02)] {
+        for (name, shape, lift) in
+            [("ball", TRUE_BALL, 0.02), ("punch", ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 0.02)]
+        {
             let [felt_copy, felt_truth] = [object_of(copy), truth].map(|object| felt(object, shape, top, Quat::IDENTITY, lift));
             check(&format!("{name} on a copy of {truth:?}"), &felt_copy, &felt_truth);
         }

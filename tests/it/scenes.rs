@@ -239,7 +239,7 @@ fn patches_over(scene: &str, tier: Tier, mut look: impl FnMut(f64, &[PatchReport
     }
 }
 
-fn object(shape: &wire::ObjectShape) -> ObjectShape {
+fn object(shape: &wire::ObjectShape) -> ObjectShape<'static> {
     match *shape {
         wire::ObjectShape::Box { size } => ObjectShape::Box { size: Vec3::from_array(size) },
         wire::ObjectShape::Ellipsoid { semi_axes } => ObjectShape::Ellipsoid { semi_axes: Vec3::from_array(semi_axes) },
@@ -247,7 +247,7 @@ fn object(shape: &wire::ObjectShape) -> ObjectShape {
     }
 }
 
-fn part(part: &wire::ProbePart) -> ProbePart {
+fn part(part: &wire::ProbePart) -> ProbePart<'static> {
     let shape = match part.shape {
         wire::ProbeShape::Sphere { radius } => ProbeShape::Sphere { radius },
         wire::ProbeShape::Box { size } => ProbeShape::Box { size: Vec3::from_array(size) },

@@ -326,7 +326,15 @@ mod tests {
 
     fn level(shape: ProbeShape<'static>, object_mean: f32) -> Seat {
         let curvatures = (object_mean, object_mean);
-        Seat { form: Form::Primitive(shape), edges: None, d: -Vec3::Z, curvatures, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }
+        Seat {
+            form: Form::Primitive(shape),
+            edges: None,
+            d: -Vec3::Z,
+            curvatures,
+            object_mean,
+            widest: f32::MAX,
+            deepest_meaningful: 1.0,
+        }
     }
 
     fn near(a: f32, b: f32, relative: f32) -> bool {

@@ -131,7 +131,7 @@ const HALVINGS: u32 = 40;
 ///
 /// `clear` is a height at which nothing touches: that of the lowest point level with the object's top will do. Beside the top, as
 /// with the legs of a compass on an ellipsoid, first touch is lower.
-pub fn first_touch(object: &ObjectShape, parts: &[ProbePart], clear: f32) -> f32 {
+pub fn first_touch(object: &ObjectShape<'_>, parts: &[ProbePart<'_>], clear: f32) -> f32 {
     let touches = |height: f64| {
         let x_wp = Pose::new(Vec3::new(0.0, 0.0, height as f32), Quat::IDENTITY);
         parts.iter().any(|part| deepest(object, part, &part_pose(part, &x_wp)).gap.distance < 0.0)

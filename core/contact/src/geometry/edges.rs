@@ -70,7 +70,14 @@ impl Left {
 impl Edges {
     /// Edges of the object about the deepest point `lowest` of a part; `frame` holds normal and tangents in world. `None` where there is no edge
     /// within `reach` \[m\] of it.
-    pub fn about(object: &ObjectShape<'_>, at: &Deepest, frame: [Vec3; 3], to_part: Quat, lowest: Vec3, reach: f32) -> Option<Self> {
+    pub fn about(
+        object: &ObjectShape<'_>,
+        at: &Deepest,
+        frame: [Vec3; 3],
+        to_part: Quat,
+        lowest: Vec3,
+        reach: f32,
+    ) -> Option<Self> {
         let p = at.point - gap::centre(object);
         let face = |outward: Vec3, half: f32| Face {
             along: Vec2::new(outward.dot(frame[1]), outward.dot(frame[2])),
@@ -185,7 +192,11 @@ fn area_and_centroid(corners: &[Vec2]) -> (f32, Vec2) {
 fn exit(shape: &ProbeShape<'_>, q: Vec3, e: Vec3) -> f32 {
     match *shape {
         ProbeShape::Sphere { radius } => of_ball(q, e, radius),
-        ProbeShape::Ellipsoid { semi_axes } => first_root(-(e / semi_axes).length_squared(), -2.0 * (e / semi_axes).dot(q / semi_axes), 1.0 - (q / semi_axes).length_squared()),
+        ProbeShape::Ellipsoid { semi_axes } => first_root(
+            -(e / semi_axes).length_squared(),
+            -2.0 * (e / semi_axes).dot(q / semi_axes),
+            1.0 - (q / semi_axes).length_squared(),
+        ),
         ProbeShape::Box { size } => {
             let half = 0.5 * size;
             min(slab(q.x, e.x, half.x), min(slab(q.y, e.y, half.y), slab(q.z, e.z, half.z)))

@@ -141,7 +141,13 @@ impl Stand<'_> {
             let next = share - value / rise;
             let last = (next - share).abs() <= SETTLED * share;
             let farthest = min(high, WIDENING * share);
-            share = if rise > 0.0 && next <= farthest { max(next, low) } else if value < 0.0 { farthest } else { 0.5 * (low + high) };
+            share = if rise > 0.0 && next <= farthest {
+                max(next, low)
+            } else if value < 0.0 {
+                farthest
+            } else {
+                0.5 * (low + high)
+            };
             if last {
                 break;
             }
@@ -229,7 +235,13 @@ fn enclosed(hits: &[Hit; RAYS]) -> Outline {
     let about = |m: f32, product: f32| m / 6.0 - twice * product;
     let (xx, xy, yy) =
         (about(xx, centroid.x * centroid.x), about(xy, centroid.x * centroid.y), about(yy, centroid.y * centroid.y));
-    Outline { area: 0.5 * twice, centroid, spread: [xx / twice, xy / twice, yy / twice], aspect: aspect(xx, xy, yy), ..Outline::default() }
+    Outline {
+        area: 0.5 * twice,
+        centroid,
+        spread: [xx / twice, xy / twice, yy / twice],
+        aspect: aspect(xx, xy, yy),
+        ..Outline::default()
+    }
 }
 
 /// Ratio of the extents from second moments.
