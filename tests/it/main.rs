@@ -30,6 +30,7 @@ mod scene_errors;
 mod scenes;
 mod session;
 mod state_room;
+mod stability;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
