@@ -261,7 +261,7 @@ fn every_build_gives_these_bits() {
             let rotation = Quat::from_xyzw(0.05 * wander(3), 0.05 * wander(4), 0.2 * wander(5), 1.0).normalize();
             let output = felt.tick(position, rotation, 1.0e-3);
             let vectors = [output.contact.force, output.contact.torque, output.wrench.force, output.wrench.torque];
-            for byte in vectors.iter().flat_map(|v| v.to_array()).flat_map(|x| x.to_bits().to_le_bytes()) {
+            for byte in vectors.iter().flat_map(|v| [v.x, v.y, v.z]).flat_map(|x| x.to_bits().to_le_bytes()) {
                 digest = (digest ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
             }
         }

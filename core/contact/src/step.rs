@@ -56,8 +56,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     if is_still(params, memory, &handle) {
         return finish(params, memory, patches, Some(&handle), input.dt, memory.flags);
     }
-    let (now, coupled) = coupling::probe_pose(model, params, memory, handle, input.dt);
-    flags |= coupled;
+    let now = coupling::probe_pose(model, params, memory, &handle, input.dt, &mut flags);
     let births = memory.next_serial;
     // 1 detect
     let left_out = detect::detect(model, &now, &mut scratch.contacts);
