@@ -178,7 +178,7 @@ impl Coupled {
     }
 }
 
-/// Pose of the probe in the tick that begins with the handle at `handle`. A coupling that was not there before begins at rest at the probe's last pose.
+/// Pose of the probe in the tick that begins with the handle at `handle`, `dt` after its last pose. A coupling that was not there before begins at rest at the probe's last pose.
 #[inline]
 pub(crate) fn probe_pose(
     model: &Model<'_>,

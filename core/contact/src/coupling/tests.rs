@@ -208,3 +208,22 @@ fn gravity_hangs_on_the_spring() {
     let output = felt.hold(4000);
     assert!((output.wrench.force.z + 0.2 * 9.806_65).abs() < 1.0e-3, "{output:?}");
 }
+
+/// Twenty lost poses of a moving handle: the probe makes up for them with the speed it had, and the damper does not take them for a jump.
+#[test]
+fn lost_poses_do_not_pull() {
+    let mut felt = Felt::on(3.0e6, 1.0);
+    felt.go(Vec3::X * 0.2, Vec3::Z, 0.0, 2000);
+    let speed = 1.0e-4;
+    for _ in 0..20 {
+        let nowhere = Input { pose: Pose::new(Vec3::NAN, Quat::IDENTITY), dt: felt.dt };
+        let output = step(&felt.model, &felt.params, &mut felt.state, &mut felt.scratch, nowhere);
+        assert!(output.report.flags.contains(Flags::POSE_REFUSED));
+    }
+    felt.handle.0.x += 20.0 * speed;
+    for _ in 0..50 {
+        felt.handle.0.x += speed;
+        let output = felt.tick();
+        assert!(output.wrench.force.length() < 0.05, "{output:?}");
+    }
+}
