@@ -147,9 +147,6 @@ impl Scene {
     }
 
     fn with_table(baked: &BakedScene, table: Option<Table>) -> Result<Self, SceneError> {
-        if baked.coupling == wire::Coupling::Virtual {
-            return Err(SceneError::NotAvailable { key: "model.coupling", value: "virtual", available: "direct" });
-        }
         let mut parts = [contact::ProbePart::at_origin(contact::ProbeShape::Sphere { radius: 0.0 }); contact::MAX_PARTS];
         for (part, from) in parts.iter_mut().zip(baked.probe.as_slice()) {
             *part = probe_part(from);
@@ -170,7 +167,7 @@ impl Scene {
     pub fn core(&self) -> Result<Core<'_>, SceneError> {
         Ok(Core {
             model: Model::new(&self.model_spec()?)?,
-            asked: guard_spec(&self.baked.guard),
+            asked: (self.baked.guard, self.baked.coupling),
             spec: self.params,
             params: Params::new(&self.params)?,
             state: Box::new(contact::State::new()),
@@ -253,9 +250,12 @@ fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
         coupling: contact::CouplingSpec::Direct,
         guard: guard_spec(&baked.guard),
     };
-    // the scene's own limits are checked before the device's, or the core's until a device has said its own, are laid over them
-    Params::new(&spec)?;
-    Ok(ParamsSpec { guard: lower_limits(&spec.guard, &GuardSpec::default()), ..spec })
+    // the scene's own numbers are checked before the device's, or the core's until a device has said its own, are laid over them
+    let core = GuardSpec::default();
+    let asked = coupling_spec(&baked.coupling, &GuardSpec { max_force: f32::INFINITY, max_torque: f32::INFINITY, ..core });
+    Params::new(&ParamsSpec { coupling: asked, ..spec })?;
+    let (guard, coupling) = (lower_limits(&spec.guard, &core), coupling_spec(&baked.coupling, &core));
+    Ok(ParamsSpec { guard, coupling, ..spec })
 }
 
 fn force_law(law: &wire::ForceLaw) -> contact::ForceLaw {
@@ -266,9 +266,45 @@ fn force_law(law: &wire::ForceLaw) -> contact::ForceLaw {
     }
 }
 
-const fn guard_spec(limits: &wire::GuardLimits) -> GuardSpec {
-    let wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in } = *limits;
-    GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity: None }
+fn guard_spec(limits: &wire::GuardLimits) -> GuardSpec {
+    let wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity } = *limits;
+    let passivity = passivity.map(|p| contact::Passivity {
+        max_damping: p.max_damping,
+        max_spin_damping: p.max_spin_damping,
+        allowance: p.allowance,
+        reserve: p.reserve,
+        delay_ticks: p.delay_ticks.into(),
+    });
+    GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity }
+}
+
+/// The coupling of a scene on a device with these limits.
+///
+/// What the scene leaves out comes from the device's full force and torque, which is all that a device says of its strength. Its stiffness is then such that full
+/// force comes at the stretch at which it does on the device of the core's defaults (a Premium: 8.5 N on 800 N/m, 10.6 mm; 0.188 N m on 0.3 N m/rad, 36 degrees),
+/// which is at or below what the makers of stronger devices say that theirs close; and the spring pulls no harder than the device can show.
+fn coupling_spec(asked: &wire::Coupling, device: &GuardSpec) -> contact::CouplingSpec {
+    let wire::Coupling::Virtual(asked) = asked else { return contact::CouplingSpec::Direct };
+    let (premium, full) = (contact::VirtualCoupling::default(), GuardSpec::default());
+    // a device without a limit has none to scale by
+    let share = |own: f32, full: f32| if own.is_finite() { own / full } else { 1.0 };
+    let scaled = contact::VirtualCoupling::closable(
+        premium.translational_stiffness * share(device.max_force, full.max_force),
+        premium.rotational_stiffness * share(device.max_torque, full.max_torque),
+    );
+    contact::CouplingSpec::Virtual(contact::VirtualCoupling {
+        translational_stiffness: asked.translational_stiffness.unwrap_or(scaled.translational_stiffness),
+        rotational_stiffness: asked.rotational_stiffness.unwrap_or(scaled.rotational_stiffness),
+        translational_damping: asked.translational_damping,
+        rotational_damping: asked.rotational_damping,
+        max_force: lower(asked.max_force, device.max_force),
+        max_torque: lower(asked.max_torque, device.max_torque),
+    })
+}
+
+/// The lower of a scene's limit and the device's; one that is not a number stays, so that it is refused by its name.
+fn lower(scene: f32, device: f32) -> f32 {
+    if scene.is_nan() { scene } else { scene.min(device) }
 }
 
 /// The lower of each two limits; how long the ramp is, the scene says.
@@ -307,8 +343,8 @@ const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
 #[derive(Debug)]
 pub struct Core<'a> {
     model: Model<'a>,
-    /// Limits that the scene asks for.
-    asked: GuardSpec,
+    /// Limits and coupling that the scene asks for.
+    asked: (wire::GuardLimits, wire::Coupling),
     spec: ParamsSpec,
     params: Params,
     state: Box<contact::State<PATCHES, SAMPLES, SAMPLES>>,
@@ -319,7 +355,7 @@ pub struct Core<'a> {
 /// What a tick of the core felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
-    /// Wrench on the handle about its origin, after the guard.
+    /// Wrench on the handle about its origin, after the guard: the contact's, with a virtual coupling the spring's and damper's.
     pub wrench: Wrench<DeviceBase>,
     /// Contact force on the probe, before the guard, in world \[N\].
     pub contact_force: [f32; 3],
@@ -344,12 +380,13 @@ pub struct Felt {
 }
 
 impl Core<'_> {
-    /// Sets the guard to what the device renders and the scene allows, the lower limit of each two. A device without torque gets
-    /// the guard's own limit: it says itself, in its reports, that it does not render what it is asked for.
+    /// Sets the guard to what the device renders and the scene allows, the lower limit of each two, and fits what a scene with a virtual coupling
+    /// leaves open. A device without torque gets the guard's own limit: it says itself, in its reports, that it does not render what
+    /// it is asked for.
     ///
     /// # Errors
-    /// [`Invalid`] when the device claims to render no force; the guard then stays as it was.
-    pub fn fit_guard(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
+    /// [`Invalid`] when the device claims to render no force, or less than a coupling can be fitted to; guard and coupling then stay as they were.
+    pub fn fit(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
         let limit = |micro: u32| un_to_newtons(i32::try_from(micro).unwrap_or(i32::MAX));
         let mut own = GuardSpec { max_force: limit(device.max_force_un), ..GuardSpec::default() };
         own.max_force_rate = own.max_force / FULL_SCALE_S;
@@ -357,7 +394,9 @@ impl Core<'_> {
             own.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
             own.max_torque_rate = own.max_torque / FULL_SCALE_S;
         }
-        let spec = ParamsSpec { guard: lower_limits(&self.asked, &own), ..self.spec };
+        let (guard, coupling) = &self.asked;
+        let guard = lower_limits(&guard_spec(guard), &own);
+        let spec = ParamsSpec { guard, coupling: coupling_spec(coupling, &own), ..self.spec };
         self.params = Params::new(&spec)?;
         self.spec = spec;
         Ok(())
@@ -451,6 +490,15 @@ mod tests {
         }
     }
 
+    const PASSIVITY: wire::Passivity =
+        wire::Passivity { max_damping: 5.0, max_spin_damping: 0.004, allowance: 1.0e-6, reserve: 0.1, delay_ticks: 0 };
+
+    fn with(change: fn(&mut wire::VirtualCoupling)) -> wire::Coupling {
+        let mut coupling = wire::VirtualCoupling::DEVICE_S_OWN;
+        change(&mut coupling);
+        wire::Coupling::Virtual(coupling)
+    }
+
     fn report(position: [f32; 3], rotation: [f32; 4]) -> PoseReport {
         PoseReport {
             seq: 1,
@@ -467,10 +515,14 @@ mod tests {
     #[test]
     fn what_this_build_cannot_do_is_named() {
         type Spoil = fn(&mut BakedScene);
-        let table: [(Spoil, &str); 9] = [
+        let table: [(Spoil, &str); 13] = [
             (|s| s.tier = wire::Tier::Influence, "52 or 112 for tiers influence and green"),
             (|s| s.tier = wire::Tier::Green, "carries no table"),
-            (|s| s.coupling = wire::Coupling::Virtual, "model.coupling"),
+            (|s| s.coupling = with(|c| c.translational_stiffness = Some(0.0)), "coupling.translational_stiffness"),
+            (|s| s.coupling = with(|c| c.rotational_damping = Some(f32::NAN)), "coupling.rotational_damping"),
+            (|s| s.coupling = with(|c| c.max_force = f32::NAN), "coupling.max_force"),
+            (|s| s.coupling = with(|c| c.max_torque = -1.0), "coupling.max_torque"),
+            (|s| s.guard.passivity = Some(wire::Passivity { delay_ticks: 9, ..PASSIVITY }), "guard.passivity.delay_ticks"),
             (|s| s.samples = 300, "16 to 256"),
             (|s| s.young_modulus = -1.0, "object.young_modulus"),
             (|s| s.place.q_wd = [0.0; 4], "place.q_wd"),
@@ -570,11 +622,48 @@ mod tests {
         for (guard, device, expected) in table {
             let scene = Scene::new(&BakedScene { guard, ..baked() }).unwrap();
             let mut core = scene.core().unwrap();
-            assert_eq!(core.fit_guard(&device).is_err(), device.max_force_un == 0);
+            assert_eq!(core.fit(&device).is_err(), device.max_force_un == 0);
             let held = core.spec.guard;
             let found = [held.max_force, held.max_torque, held.max_force_rate, held.max_torque_rate];
             assert!(found.iter().zip(expected).all(|(f, e): (&f32, f32)| (f / e - 1.0).abs() < 1.0e-5), "{found:?} {expected:?}");
         }
+    }
+
+    #[test]
+    fn what_a_scene_leaves_out_of_its_coupling_is_fitted_to_the_device() {
+        let table = [
+            // coupling, device, stiffnesses, largest force and torque
+            (with(|_| ()), hello(8_500_000, 188_000), [800.0, 0.3, 8.5, 0.188]),
+            (with(|_| ()), hello(12_000_000, 200_000), [1129.4, 0.319, 12.0, 0.2]),
+            (with(|_| ()), hello(3_300_000, 0), [310.6, 0.3, 3.3, 0.188]),
+            (
+                with(|c| (c.translational_stiffness, c.max_torque) = (Some(50.0), 0.1)),
+                hello(12_000_000, 200_000),
+                [50.0, 0.319, 12.0, 0.1],
+            ),
+            (with(|c| c.max_force = 30.0), hello(0, 0), [800.0, 0.3, 8.5, 0.188]),
+        ];
+        for (coupling, device, expected) in table {
+            let scene = Scene::new(&BakedScene { coupling, ..baked() }).unwrap();
+            let mut core = scene.core().unwrap();
+            assert_eq!(core.fit(&device).is_err(), device.max_force_un == 0);
+            let contact::CouplingSpec::Virtual(held) = core.spec.coupling else { panic!("virtual") };
+            let found = [held.translational_stiffness, held.rotational_stiffness, held.max_force, held.max_torque];
+            assert!(found.iter().zip(expected).all(|(f, e): (&f32, f32)| (f / e - 1.0).abs() < 2.0e-3), "{found:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_virtual_coupling_gives_the_hand_its_spring_and_the_probe_the_contact() {
+        let scene = Scene::new(&BakedScene { coupling: with(|_| ()), ..baked() }).unwrap();
+        let mut core = scene.core().unwrap();
+        let at = |z: f32| handle_pose(&report([0.0, 0.0, z], [1.0, 0.0, 0.0, 0.0])).unwrap();
+        core.step(&at(0.021), 1.0e-3);
+        let felt = (0..2000).map(|_| core.step(&at(0.015), 1.0e-3)).last().unwrap();
+        // 5 mm into rubber of 25 kN/m with a spring of 800 N/m: nearly all of it is the spring's
+        assert!((3.5..4.0).contains(&felt.wrench.force.z), "{felt:?}");
+        assert!((felt.wrench.force.z / felt.contact_force[2] - 1.0).abs() < 1.0e-3, "at rest both are one: {felt:?}");
+        assert!(felt.depth < 5.0e-4, "{felt:?}");
     }
 
     #[test]

@@ -7,8 +7,9 @@
 //! | `h` | handle, the moving end of the device | [`Handle`] |
 //! | `p` | probe, origin at its mass centre | [`haptor_contact::ProbeFrame`] |
 //!
-//! `x_wp = x_wd * x_dh * x_hp`. Coupling is direct: `x_hp` is the identity, so a wrench on the probe about its mass centre is
-//! the wrench on the handle about its origin.
+//! `x_wp = x_wd * x_dh * x_hp`. With a direct coupling `x_hp` is the identity, so a wrench on the probe about its mass centre is
+//! the wrench on the handle about its origin. With a virtual one the core moves the probe, and what it returns is the spring's and
+//! damper's wrench on the handle about the handle's origin.
 
 /// Marker of the device's base frame `d`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -170,7 +170,7 @@ impl Recording {
         let mut all = Self::default();
         for record in RecordReader::new(file) {
             match record {
-                Ok(Record::Header(_)) => {}
+                Ok(Record::Header(_) | Record::Device(_)) => {}
                 Ok(Record::Tick(tick)) => all.ticks.push(tick),
                 Ok(Record::Fault(fault)) => all.faults.push(fault),
                 Ok(Record::End(summary)) => all.summary = Some(summary),

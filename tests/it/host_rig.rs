@@ -23,7 +23,7 @@ use haptor_host::rt::parts::Settings;
 use haptor_host::rt::stale::StaleRule;
 use haptor_wire::{
     BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart,
-    ProbeParts, ProbeShape, Record, RtReport, Summary, TickRecord, Tier,
+    ProbeParts, ProbeShape, Record, RtReport, SessionHello, Summary, TickRecord, Tier,
 };
 
 /// Ticks a second of every rig.
@@ -180,6 +180,8 @@ pub struct Rig {
     pub dumps: BlackBoxReader,
     /// Every tick recorded so far.
     pub ticks: Vec<TickRecord>,
+    /// The device recorded.
+    pub device: Option<SessionHello>,
     /// Every fault recorded so far.
     pub faults: Vec<FaultRecord>,
     /// Everything told to tools so far.
@@ -194,6 +196,11 @@ impl Rig {
 
     /// The same with something between host and cable.
     pub fn with_link(script: &str, ticks: Option<u64>, wrap: impl FnOnce(Cable) -> AnyLink) -> Self {
+        Self::on(&ball_on_cube(), script, ticks, wrap)
+    }
+
+    /// The same on another scene.
+    pub fn on(scene: &BakedScene, script: &str, ticks: Option<u64>, wrap: impl FnOnce(Cable) -> AnyLink) -> Self {
         let clock = Virtual::default();
         let reach = Reach::usual(FIRM_GRIP.stiffness, PREMIUM15.max_force);
         let script = Script::by_name(script, &reach, true).expect("a script of that name");
@@ -211,11 +218,11 @@ impl Rig {
         let (links, opener) = exchange();
         let (writer, dumps) = black_box();
         let (account, readers) = Account::new(writer);
-        let scene: &'static Scene = Box::leak(Box::new(Scene::new(&ball_on_cube()).expect("a good scene")));
+        let scene: &'static Scene = Box::leak(Box::new(Scene::new(scene).expect("a good scene")));
         let settings = settings(ticks);
         let line = Line::new(wrap(Cable(Arc::clone(&far))), links);
         let control = Control::new(settings, clock, line, scene.core().expect("a good scene"), account);
-        Self { control, far, opener, readers, dumps, ticks: Vec::new(), faults: Vec::new(), told: Vec::new() }
+        Self { control, far, opener, readers, dumps, ticks: Vec::new(), device: None, faults: Vec::new(), told: Vec::new() }
     }
 
     pub fn far(&self) -> MutexGuard<'_, Far> {
@@ -234,6 +241,7 @@ impl Rig {
             match record {
                 Record::Tick(tick) => self.ticks.push(tick),
                 Record::Fault(fault) => self.faults.push(fault),
+                Record::Device(device) => self.device = Some(device),
                 Record::Header(_) | Record::End(_) => unreachable!("the recorder writes these"),
             }
         }

@@ -144,7 +144,12 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
             "deformation = \"some\"",
             &["s.toml:25:", "model.deformation = \"some\"", "none, local or full"],
         ),
-        ("coupling = \"direct\"", "coupling = \"virtual\"", &["s.toml:26:", "not available in this version", "direct"]),
+        ("coupling = \"direct\"", "coupling = \"virtuel\"", &["s.toml:26:", "direct or virtual", "did you mean virtual?"]),
+        (
+            "[model]",
+            "[coupling]\nmax_force = 3\n\n[model]",
+            &["s.toml:21:", "coupling", "needs coupling = \"virtual\" in [model]"],
+        ),
         ("breakaway = \"smooth\"", "breakaway = 1", &["s.toml:27:", "model.breakaway = 1", "smooth or sharp"]),
         ("gravity = false", "gravity = 9.81", &["s.toml:28:", "model.gravity = 9.81", "true or false"]),
         ("gravity", "paper_length = 0.0\ngravity", &["s.toml:28:", "model.paper_length = 0.0", "1e-6 to 1e2 m"]),
@@ -158,6 +163,14 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("gravity", "force_law = { kind = \"table\", step = 1e-4, force = [0, 1] }\ngravity", &["s.toml:28:", "16 numbers"]),
         ("[model]", "[guard]\nmax_force = 0\n\n[model]", &["s.toml:22:", "guard.max_force = 0", "above 0"]),
         ("[model]", "[guard]\nmax_forces = 1\n\n[model]", &["s.toml:22:", "guard.max_forces", "did you mean max_force?"]),
+        (
+            "[model]",
+            "[guard.passivity]\ndelay_ticks = 9\n\n[model]",
+            &["s.toml:22:", "guard.passivity.delay_ticks = 9", "0 to 8"],
+        ),
+        ("[model]", "[guard.passivity]\nreserve = 0\n\n[model]", &["s.toml:22:", "guard.passivity.reserve = 0", "above 0 J"]),
+        ("[model]", "[guard.passivity]\nmax_dampin = 0\n\n[model]", &["s.toml:22:", "did you mean max_damping?"]),
+        ("[model]", "[guard]\npassivity = true\n\n[model]", &["s.toml:22:", "guard.passivity = true", "max_damping"]),
         ("[model]", "[modle]", &["s.toml:21:", "modle", "did you mean model?"]),
         ("[model]", "[extra]\n\n[model]", &["s.toml:21:", "extra", "unknown key", "friction"]),
         ("[model]", "[model", &["s.toml:21:", "not TOML"]),
@@ -170,6 +183,30 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         let scene = SCENE.replacen(old, new, 1);
         refused(new, eval(scene.as_bytes(), format!("{HEAD}{ROW}").as_bytes(), &[]), parts);
     }
+}
+
+#[test]
+fn a_spoilt_coupling_is_refused_by_line_key_value_and_range() {
+    let good = SCENE.replace("\"direct\"", "\"virtual\"");
+    let table: &[(&str, &[&str])] = &[
+        ("translational_stiffness = 0", &["s.toml:31:", "coupling.translational_stiffness = 0", "1 to 1e6 N/m"]),
+        ("translational_stiffness = \"hard\"", &["s.toml:31:", "type string", "translational_stiffness = 800.0"]),
+        ("rotational_stiffness = 1e5", &["s.toml:31:", "coupling.rotational_stiffness = 1e5", "1e-4 to 1e4 N m/rad"]),
+        ("translational_damping = -1", &["s.toml:31:", "coupling.translational_damping = -1", "0 to 1e5 N s/m"]),
+        ("rotational_damping = inf", &["s.toml:31:", "coupling.rotational_damping = inf", "0 to 1e3 N m s/rad"]),
+        ("max_force = 0", &["s.toml:31:", "coupling.max_force = 0", "above 0, or infinity"]),
+        ("max_torque = -0.1", &["s.toml:31:", "coupling.max_torque = -0.1", "above 0, or infinity"]),
+        (
+            "stiffness = 800",
+            &["s.toml:31:", "coupling.stiffness", "unknown key", "translational_stiffness, rotational_stiffness"],
+        ),
+    ];
+    for (line, parts) in table {
+        let scene = format!("{good}\n[coupling]\n{line}\n");
+        refused(line, eval(scene.as_bytes(), format!("{HEAD}{ROW}").as_bytes(), &[]), parts);
+    }
+    let scene = format!("{good}\n[coupling]\nmax_torque = inf\n");
+    assert_eq!(eval(scene.as_bytes(), format!("{HEAD}{ROW}").as_bytes(), &[]), (0, String::new()));
 }
 
 #[test]

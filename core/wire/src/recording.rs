@@ -2,16 +2,17 @@
 //!
 //! A file is a row of COBS + CRC32 frames, the same as on a serial link, so a file cut at any byte, by a crash or a full disk,
 //! still reads up to its last whole frame, and damage in the middle costs the frames it touches and no more. The first frame is
-//! the [`RecordHeader`], the last one of a session that ended in order the [`Summary`].
+//! the [`RecordHeader`], the second the [`SessionHello`] of the device that was there, the last one of a session that ended in
+//! order the [`Summary`]. A black box has no hello: it begins in the middle of a session.
 //!
-//! To compute the contact again, bit for bit: take the scene whose file has the header's digest, a core at rest, and of the ticks
-//! those without [`flags::NO_POSE`], in order. Each is one step of the core at the pose recorded, its quaternion normalised, with
+//! To compute the contact again, bit for bit: take the scene whose file has the header's digest, a core at rest that has been fitted
+//! to the device of the hello (a virtual coupling takes from it what the scene leaves out), and of the ticks those without [`flags::NO_POSE`], in order. Each is one step of the core at the pose recorded, its quaternion normalised, with
 //! ```text
 //! dt = (tick - tick of the one before without NO_POSE) / rate_hz     in f64, then rounded to f32; the first has dt = 1 / rate_hz
 //! ```
 //! so ticks that the thread slept through count, and so do those in which no pose came. `contact_force` and `contact_torque` come
 //! out again; `force` and `torque` too where no bit of the host's is set and the guard has the limits of the device that was
-//! there (those of [`crate::SessionHello`]; full scale in 20 ms) and of the scene.
+//! there (full scale in 20 ms) and of the scene.
 
 use core::fmt;
 
@@ -21,13 +22,15 @@ use crate::device::{ENUM, F32, U16, U32, U64};
 use crate::flags;
 use crate::frame::{FrameError, decode_stream, stream_bound};
 use crate::scene::Tier;
-use crate::status::{FaultRecord, Summary};
+use crate::status::{FaultRecord, SessionHello, Summary};
 
 /// One frame of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Record {
     /// What was recorded; first.
     Header(RecordHeader),
+    /// The device that was there; before the first tick.
+    Device(SessionHello),
     /// One tick.
     Tick(TickRecord),
     /// A fault has latched.
@@ -215,13 +218,13 @@ impl Iterator for RecordReader<'_> {
 mod tests {
     use super::*;
     use crate::frame::encode_stream;
-    use crate::samples::{FAULT_RECORD, HEADER, SUMMARY};
+    use crate::samples::{FAULT_RECORD, HEADER, SESSION, SUMMARY};
     use std::vec::Vec;
 
     fn session() -> (Vec<u8>, Vec<Record>, Vec<usize>) {
         let ticks = (0..20)
             .map(|tick| Record::Tick(TickRecord { tick, t_us: 1000 * tick, depth: 1e-5 * tick as f32, ..TickRecord::default() }));
-        let mut records = std::vec![Record::Header(HEADER)];
+        let mut records = std::vec![Record::Header(HEADER), Record::Device(SESSION)];
         records.extend(ticks);
         records.extend([Record::Fault(FAULT_RECORD), Record::End(SUMMARY)]);
         let (mut file, mut ends) = (Vec::new(), Vec::new());

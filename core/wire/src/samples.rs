@@ -2,8 +2,8 @@
 
 use crate::{
     BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, ForceLaw,
-    GuardLimits, HostFault, HostHello, Mode, ObjectShape, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, Progress,
-    Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, WrenchCommand,
+    GuardLimits, HostFault, HostHello, Mode, ObjectShape, Passivity, Place, PoseReport, ProbePart, ProbeParts, ProbeShape,
+    Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, VirtualCoupling, WrenchCommand,
 };
 
 pub const DEVICE_HELLO: DeviceHello = DeviceHello {
@@ -103,6 +103,17 @@ pub const GUARD: GuardLimits = GuardLimits {
     max_force_rate: 100.0,
     max_torque_rate: f32::INFINITY,
     ramp_in: 0.25,
+    passivity: Some(PASSIVITY),
+};
+pub const PASSIVITY: Passivity =
+    Passivity { max_damping: 5.0, max_spin_damping: 0.004, allowance: 1e-6, reserve: 0.1, delay_ticks: 8 };
+pub const COUPLING: VirtualCoupling = VirtualCoupling {
+    translational_stiffness: Some(800.0),
+    rotational_stiffness: Some(0.3),
+    translational_damping: Some(20.0),
+    rotational_damping: Some(0.01),
+    max_force: 8.5,
+    max_torque: f32::INFINITY,
 };
 
 /// The largest scene: every part in use, every option given.
@@ -124,7 +135,7 @@ pub fn scene() -> BakedScene {
         samples: u16::MAX,
         sweeps: 4,
         deformation: Deformation::Full,
-        coupling: Coupling::Direct,
+        coupling: Coupling::Virtual(COUPLING),
         breakaway: Breakaway::Smooth,
         gravity: true,
         force_law: LAW,

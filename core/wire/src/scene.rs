@@ -72,7 +72,8 @@ impl BakedScene {
         + ENUM
         + U16
         + 1
-        + 3 * ENUM
+        + 2 * ENUM
+        + Coupling::MAX_ENCODED
         + 1
         + ForceLaw::MAX_ENCODED
         + GuardLimits::MAX_ENCODED
@@ -270,13 +271,56 @@ pub enum Deformation {
 }
 
 /// How the handle moves the probe.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Coupling {
     /// The probe is where the handle is.
     #[default]
     Direct,
     /// A spring and damper pull the probe after the handle.
-    Virtual,
+    Virtual(VirtualCoupling),
+}
+
+impl Coupling {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = ENUM + VirtualCoupling::MAX_ENCODED;
+}
+
+/// The spring and damper between handle and probe. What is left out the host fits to the device.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VirtualCoupling {
+    /// Stiffness in translation \[N/m\]; `None` = by the device's largest force.
+    pub translational_stiffness: Option<f32>,
+    /// Stiffness in rotation \[N m/rad\]; `None` = by the device's largest torque.
+    pub rotational_stiffness: Option<f32>,
+    /// Damping in translation \[N s/m\]; `None` = critical with the probe's mass.
+    pub translational_damping: Option<f32>,
+    /// Damping in rotation \[N m s/rad\]; `None` = critical with the probe's inertia.
+    pub rotational_damping: Option<f32>,
+    /// Largest pull of the spring \[N\]; of this and the device's largest force the lower one holds, infinity is no limit.
+    pub max_force: f32,
+    /// Largest torque of the spring \[N m\], likewise.
+    pub max_torque: f32,
+}
+
+impl VirtualCoupling {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = 4 * (1 + F32) + 2 * F32;
+
+    /// Nothing of the scene's own: all is fitted to the device.
+    pub const DEVICE_S_OWN: Self = Self {
+        translational_stiffness: None,
+        rotational_stiffness: None,
+        translational_damping: None,
+        rotational_damping: None,
+        max_force: f32::INFINITY,
+        max_torque: f32::INFINITY,
+    };
+}
+
+impl Default for VirtualCoupling {
+    fn default() -> Self {
+        Self::DEVICE_S_OWN
+    }
 }
 
 /// How stick gives way to slip when static friction exceeds dynamic.
@@ -332,11 +376,33 @@ pub struct GuardLimits {
     pub max_torque_rate: f32,
     /// Time over which the wrench is ramped in when the first pose is inside the object \[s\].
     pub ramp_in: f32,
+    /// Watches the energy that leaves at the handle and damps what is too much; `None` is off.
+    pub passivity: Option<Passivity>,
+}
+
+/// Passivity observer and controller at the handle. Force and torque are counted apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Passivity {
+    /// Most damping \[N s/m\].
+    pub max_damping: f32,
+    /// Most angular damping \[N m s/rad\].
+    pub max_spin_damping: f32,
+    /// Energy that may come out before it acts \[J\].
+    pub allowance: f32,
+    /// Most energy that the hand is credited with \[J\]; infinity is no cap.
+    pub reserve: f32,
+    /// Delay of the link beyond the tick itself \[ticks\].
+    pub delay_ticks: u8,
+}
+
+impl Passivity {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = 4 * F32 + 1;
 }
 
 impl GuardLimits {
     /// Postcard bytes at most.
-    pub const MAX_ENCODED: usize = 5 * F32;
+    pub const MAX_ENCODED: usize = 5 * F32 + (1 + Passivity::MAX_ENCODED);
 
     /// No limits of the scene's own; the wrench is ramped in over half a second, as the core does.
     pub const DEVICE_S_OWN: Self = Self {
@@ -345,6 +411,7 @@ impl GuardLimits {
         max_force_rate: f32::INFINITY,
         max_torque_rate: f32::INFINITY,
         ramp_in: 0.5,
+        passivity: None,
     };
 }
 

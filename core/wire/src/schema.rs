@@ -42,7 +42,7 @@ Summary{ticks:u64,in_time:u64,late:u64,lost:u64,rejected:u64,out_of_order:u64,re
 Quantiles{p50:u32,p99:u32,p999:u32,p9999:u32,max:u32}\n\
 RtReport{fifo:bool,locked:bool,pinned:bool,dma_latency:bool}\n\
 HostFault=LinkLost|Stale|Garbage|DeviceRestarted|DeviceFault|DeviceWatchdog|DeviceOverSpeed|DeviceNonFinite|VersionMismatch|NonFinite|Overrun\n\
-Record=Header(RecordHeader)|Tick(TickRecord)|Fault(FaultRecord)|End(Summary)\n\
+Record=Header(RecordHeader)|Device(SessionHello)|Tick(TickRecord)|Fault(FaultRecord)|End(Summary)\n\
 RecordHeader{version:u16,schema:u32,rate_hz:u32,scene_digest:u64,start_unix_s:u32}\n\
 TickRecord{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],force:[f32;3],torque:[f32;3],contact_force:[f32;3],contact_torque:[f32;3],regions:u8,depth:f32,radius:f32,stick:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32}\n\
 BakedScene{object:ObjectShape,fixed_below:f32,young_modulus:f32,poisson_ratio:f32,density:f32,compliance:?Compliance,probe:ProbeParts,mass:f32,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,tier:Tier,samples:u16,sweeps:u8,deformation:Deformation,coupling:Coupling,breakaway:Breakaway,gravity:bool,force_law:ForceLaw,guard:GuardLimits,paper_length:f32,place:Place}\n\
@@ -53,10 +53,12 @@ ProbePart{shape:ProbeShape,position:[f32;3],rotation:[f32;4]}\n\
 ProbeShape=Sphere{radius:f32}|Box{size:[f32;3]}|Cylinder{radius:f32,height:f32}|Cone{radius:f32,height:f32}|Capsule{radius:f32,height:f32}|Ellipsoid{semi_axes:[f32;3]}\n\
 Tier=Point|Paper|Bristle|Influence|Green\n\
 Deformation=None|Local|Full\n\
-Coupling=Direct|Virtual\n\
+Coupling=Direct|Virtual(VirtualCoupling)\n\
+VirtualCoupling{translational_stiffness:?f32,rotational_stiffness:?f32,translational_damping:?f32,rotational_damping:?f32,max_force:f32,max_torque:f32}\n\
 Breakaway=Smooth|Sharp\n\
 ForceLaw=Hertz|Cubic{k1:f32,k3:f32}|Table{step:f32,force:[f32;16]}\n\
-GuardLimits{max_force:f32,max_torque:f32,max_force_rate:f32,max_torque_rate:f32,ramp_in:f32}\n\
+GuardLimits{max_force:f32,max_torque:f32,max_force_rate:f32,max_torque_rate:f32,ramp_in:f32,passivity:?Passivity}\n\
+Passivity{max_damping:f32,max_spin_damping:f32,allowance:f32,reserve:f32,delay_ticks:u8}\n\
 Place{p_wd:[f32;3],q_wd:[f32;4]}\n\
 ";
 

@@ -166,7 +166,8 @@ fn status_table() -> String {
 }
 
 fn recording_table() -> String {
-    let records = [Record::Header(HEADER), Record::Tick(TICK), Record::Fault(FAULT_RECORD), Record::End(SUMMARY)];
+    let records =
+        [Record::Header(HEADER), Record::Device(SESSION), Record::Tick(TICK), Record::Fault(FAULT_RECORD), Record::End(SUMMARY)];
     [cases("Record", &records), structure(&HEADER), structure(&TICK)].concat()
 }
 
@@ -198,10 +199,12 @@ fn scene_table() -> String {
         cases("ProbeShape", &shapes),
         cases("Tier", &tiers),
         cases("Deformation", &deformations),
-        cases("Coupling", &[Coupling::Direct, Coupling::Virtual]),
+        cases("Coupling", &[Coupling::Direct, Coupling::Virtual(COUPLING)]),
+        structure(&COUPLING),
         cases("Breakaway", &[Breakaway::Smooth, Breakaway::Sharp]),
         cases("ForceLaw", &[ForceLaw::Hertz, ForceLaw::Cubic { k1: 1.0, k3: 1.0 }, LAW]),
         structure(&GUARD),
+        structure(&PASSIVITY),
         structure(&PLACE),
     ]
     .concat()

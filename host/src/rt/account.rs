@@ -22,7 +22,7 @@ const PROGRESS_EVERY_NS: u64 = 100_000_000;
 /// The other ends of the queues.
 #[derive(Debug)]
 pub struct Readers {
-    /// Ticks and faults, for the recording.
+    /// The device, ticks and faults, for the recording.
     pub records: Consumer<Record>,
     /// Hello, progress and faults, for the status.
     pub news: Consumer<FromHost>,
@@ -76,6 +76,7 @@ impl Account {
     /// The session begins.
     pub fn begin(&mut self, hello: SessionHello) {
         self.tell(FromHost::Hello(hello));
+        self.keep(Record::Device(hello));
     }
 
     /// Closes a tick: `stepped` = the core ran in it.

@@ -124,15 +124,15 @@ impl<C: Clock> Control<'_, C> {
         self.memory.session.map_or(0, |(first, _)| slot.tick - first)
     }
 
-    /// The first time the device renders, the session begins: the guard learns the device's limits, and the output opens.
+    /// The first time the device renders, the session begins: guard and coupling learn the device's limits, and the output opens.
     pub(super) fn begin_session(&mut self, slot: &Slot) {
         if self.memory.session.is_some() || !self.handshake.is_running() {
             return;
         }
         let Some(device) = self.handshake.device() else { return };
         self.memory.session = Some((slot.tick, self.clock.now_ns()));
-        // refused only when the device claims no force at all: then the guard's own limit stands and the device clamps
-        let _ = self.core.fit_guard(&device);
+        // refused only when the device claims next to no force: then the core's own limits stand and the device clamps
+        let _ = self.core.fit(&device);
         self.output.open();
         self.account.begin(SessionHello {
             version: PROTOCOL_VERSION,
@@ -244,10 +244,13 @@ impl<C: Clock> Control<'_, C> {
     }
 }
 
-/// Whether the output may open again. Without contact there is none to be hit by, whatever the probe weighs.
+/// Whether the output may open again. Without contact there is none to be hit by, whatever the probe weighs; but a probe on a virtual coupling may
+/// still be swinging, and then the hand would get more than the contact gives.
 fn is_small(felt: &Felt) -> bool {
-    let within = |v: [f32; 3], limit: f32| v.iter().map(|x| x * x).sum::<f32>() < limit * limit;
-    felt.regions == 0 || (within(felt.contact_force, SMALL_FORCE) && within(felt.contact_torque, SMALL_TORQUE))
+    let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let (force, torque) = (length(felt.contact_force), length(felt.contact_torque));
+    let at_rest = felt.wrench.force.length() < force + SMALL_FORCE && felt.wrench.torque.length() < torque + SMALL_TORQUE;
+    at_rest && (felt.regions == 0 || (force < SMALL_FORCE && torque < SMALL_TORQUE))
 }
 
 impl Memory {

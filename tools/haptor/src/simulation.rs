@@ -2,8 +2,8 @@
 
 use haptor_contact::surface::Surface;
 use haptor_contact::{
-    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, Output, Params, ParamsSpec, PatchReport, Pose, Scratch, State, patch_report,
-    step,
+    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame, Scratch, State,
+    World, patch_report, step,
 };
 
 use crate::scene::Scene;
@@ -39,7 +39,12 @@ impl<'a> Simulation<'a> {
 
     /// The deformed surface after the last tick, whose pose was `row`; `body` as in [`Surface`].
     pub fn surface(&self, row: &Row, body: bool) -> Surface<'_> {
-        Surface { model: &self.model, params: &self.params, patches: self.state.patches(), p_wp: row.position, body }
+        Surface { model: &self.model, params: &self.params, patches: self.state.patches(), p_wp: self.probe(row).position, body }
+    }
+
+    /// Pose `x_wp` of the probe after the last tick: where the coupling has brought it. Before one was accepted, the handle of `row`.
+    pub fn probe(&self, row: &Row) -> Pose<World, ProbeFrame> {
+        self.state.probe_pose().unwrap_or(Pose::new(row.position, row.rotation))
     }
 
     /// The patches in contact after the last tick, oldest first.

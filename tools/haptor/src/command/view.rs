@@ -125,7 +125,8 @@ fn moment(scene: &Scene, path: &Path, at: Option<f64>) -> Result<Moment, Failure
 impl Moment {
     fn advance(&mut self, simulation: &mut Simulation<'_>, row: &Row) {
         let wrench = simulation.tick(row).contact;
-        (self.position, self.rotation) = (wide(row.position), row.rotation.as_dquat());
+        let probe = simulation.probe(row);
+        (self.position, self.rotation) = (wide(probe.position), probe.rotation.as_dquat());
         (self.force, self.torque) = (wide(wrench.force), wide(wrench.torque));
         self.peak_force = self.peak_force.max(self.force.length());
         self.peak_torque = self.peak_torque.max(self.torque.length());

@@ -3,7 +3,7 @@
 use haptor_contact::geometry::support::support;
 use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, Tier, Vec3};
 use haptor_wire as wire;
-use haptor_wire::{BakedScene, Coupling, Place, ProbeParts};
+use haptor_wire::{BakedScene, Place, ProbeParts};
 
 use super::Scene;
 
@@ -35,7 +35,7 @@ impl Scene {
             samples: params.samples as u16,
             sweeps: self.extras.sweeps,
             deformation: self.extras.deformation,
-            coupling: Coupling::Direct,
+            coupling: self.extras.coupling,
             breakaway: breakaway(params.breakaway),
             gravity: params.gravity,
             force_law: force_law(&params.force_law),
@@ -139,8 +139,16 @@ fn force_law(law: &ForceLaw) -> wire::ForceLaw {
 }
 
 fn guard(asked: &GuardSpec) -> wire::GuardLimits {
-    let GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, .. } = *asked;
-    wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in }
+    let GuardSpec { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity } = *asked;
+    let passivity = passivity.map(|p| wire::Passivity {
+        max_damping: p.max_damping,
+        max_spin_damping: p.max_spin_damping,
+        allowance: p.allowance,
+        reserve: p.reserve,
+        // at most 8: the scene has been validated
+        delay_ticks: p.delay_ticks as u8,
+    });
+    wire::GuardLimits { max_force, max_torque, max_force_rate, max_torque_rate, ramp_in, passivity }
 }
 
 #[cfg(test)]
@@ -171,6 +179,20 @@ mod tests {
         assert_eq!(cubic, wire::ForceLaw::Cubic { k1: 1.0e3, k3: 2.0e9 });
         let table = "model = { force_law = { kind = 'table', step = 1e-4, force = [0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15] } }";
         assert!(matches!(baked(table).force_law, wire::ForceLaw::Table { force, .. } if force[15] == 15.0));
+    }
+
+    #[test]
+    fn a_coupling_reaches_the_host_as_far_as_the_scene_says_and_passivity_whole() {
+        let own = wire::VirtualCoupling::DEVICE_S_OWN;
+        assert_eq!(baked("").coupling, wire::Coupling::Direct);
+        assert_eq!(baked("model = { coupling = 'virtual' }").coupling, wire::Coupling::Virtual(own));
+        let more = "model = { coupling = 'virtual' }\ncoupling = { translational_stiffness = 500, rotational_damping = 0, max_force = 4 }";
+        let given =
+            wire::VirtualCoupling { translational_stiffness: Some(500.0), rotational_damping: Some(0.0), max_force: 4.0, ..own };
+        assert_eq!(baked(more).coupling, wire::Coupling::Virtual(given));
+        assert_eq!(baked("guard = { max_force = 3 }").guard.passivity, None);
+        let core = wire::Passivity { max_damping: 5.0, max_spin_damping: 0.004, allowance: 1.0e-6, reserve: 0.1, delay_ticks: 2 };
+        assert_eq!(baked("guard = { passivity = { delay_ticks = 2 } }").guard.passivity, Some(core));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod bake;
 mod body;
+mod coupling;
 mod document;
 mod settings;
 
@@ -81,7 +82,7 @@ impl Scene {
         if let Some(section) = root.optional_section(CONTACT)? {
             settings::contact(&section, &mut params)?;
         }
-        let mut extras = settings::model(root.optional_section(MODEL)?.as_ref(), &mut params)?;
+        let mut extras = settings::model(&root, root.optional_section(MODEL)?.as_ref(), &mut params)?;
         if let Some(section) = root.optional_section(GUARD)? {
             settings::guard(&section, &mut params, &mut extras)?;
         }
@@ -103,7 +104,7 @@ impl Scene {
         spec
     }
 
-    /// The scene's parameters with a guard that does nothing, for whoever wants the contact's own wrench: no limit, no ramp, and
+    /// The scene's parameters with a guard that does nothing, for whoever wants the contact's own wrench: no limit, no ramp, no damping, and
     /// no flag that speaks of one.
     pub fn contact_only(&self) -> ParamsSpec {
         let none = f32::INFINITY;
@@ -128,6 +129,8 @@ impl Scene {
         }
         let whole = |invalid: Invalid| Refused { name: invalid.name.to_owned(), invalid };
         Model::new(&spec).map_err(whole)?;
+        // a number that a device's lower one would hide is checked as it is written
+        Params::new(&ParamsSpec { coupling: coupling::as_written(&self.extras.coupling), ..self.params }).map_err(whole)?;
         Params::new(&self.params).map_err(whole)?;
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! `[friction]`, `[contact]`, `[model]`, `[guard]`: what may change without changing the bodies.
 
 use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ParamsSpec, Tier};
-use haptor_wire::Deformation;
+use haptor_wire::{Coupling, Deformation};
 
+use super::coupling;
 use super::document::{Key, SceneError, Section, key};
 
 /// What `[model]` says beside the core's parameters.
@@ -14,6 +15,8 @@ pub struct Extras {
     pub deformation: Deformation,
     /// Limits that `[guard]` gives, infinity where it gives none: beside a device only these hold.
     pub asked: GuardSpec,
+    /// What ties the probe to the handle, as far as the scene says.
+    pub coupling: Coupling,
     /// The paper's l on a half space \[m\]; `None` takes the core's default.
     pub paper_length: Option<f32>,
 }
@@ -27,7 +30,7 @@ const SAMPLES: Key =
     key("samples", "a whole number, 16 to 256 for tier bristle, 16 to 1024 for tier paper, 52 or 112 for tier influence", "64");
 const SWEEPS: Key = key("sweeps", "a whole number, 1 to 32", "4");
 const DEFORMATION: Key = key("deformation", "none, local or full", "\"full\"");
-const COUPLING: Key = key("coupling", "direct", "\"direct\"");
+const COUPLING: Key = key("coupling", "direct or virtual", "\"direct\"");
 const BREAKAWAY: Key = key("breakaway", "smooth or sharp", "\"smooth\"");
 const GRAVITY: Key = key("gravity", "true or false", "false");
 const PAPER_LENGTH: Key = key("paper_length", "a number, 1e-6 to 1e2 m", "0.1");
@@ -75,10 +78,22 @@ pub fn contact(section: &Section<'_, '_>, params: &mut ParamsSpec) -> Result<(),
     section.finish("[contact]")
 }
 
-/// Reads `[model]`; `None` when the scene has none.
-pub fn model(section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Result<Extras, SceneError> {
-    let mut extras = Extras { sweeps: DEFAULT_SWEEPS, deformation: Deformation::Full, asked: NO_LIMITS, paper_length: None };
-    let Some(section) = section else { return Ok(extras) };
+/// What a scene without `[model]`, `[coupling]` and `[guard]` says.
+pub const NOTHING_SAID: Extras = Extras {
+    sweeps: DEFAULT_SWEEPS,
+    deformation: Deformation::Full,
+    asked: NO_LIMITS,
+    coupling: Coupling::Direct,
+    paper_length: None,
+};
+
+/// Reads `[model]`, and the `[coupling]` of `root` that goes with it.
+pub fn model(root: &Section<'_, '_>, section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Result<Extras, SceneError> {
+    let mut extras = NOTHING_SAID;
+    let Some(section) = section else {
+        extras.coupling = coupling::coupling(root, false)?;
+        return Ok(extras);
+    };
     set(&mut params.tier, tier(section)?);
     if params.tier == Tier::Influence {
         params.samples = DEFAULT_CELLS;
@@ -88,7 +103,9 @@ pub fn model(section: Option<&Section<'_, '_>>, params: &mut ParamsSpec) -> Resu
     params.sweeps = usize::from(extras.sweeps);
     let amounts = [("none", Deformation::None), ("local", Deformation::Local), ("full", Deformation::Full)];
     set(&mut extras.deformation, section.optional_word(DEFORMATION, &amounts)?);
-    coupling(section)?;
+    let virtually = section.optional_word(COUPLING, &[("direct", false), ("virtual", true)])?.unwrap_or(false);
+    extras.coupling = coupling::coupling(root, virtually)?;
+    params.coupling = coupling::without_device(&extras.coupling);
     let manners = [("smooth", Breakaway::Smooth), ("sharp", Breakaway::Sharp)];
     set(&mut params.breakaway, section.optional_word(BREAKAWAY, &manners)?);
     set(&mut params.gravity, section.optional_flag(GRAVITY)?);
@@ -116,7 +133,9 @@ pub fn guard(section: &Section<'_, '_>, params: &mut ParamsSpec, extras: &mut Ex
     for (value, key) in given.iter_mut().zip(limits) {
         *value = section.optional_number(key)?;
     }
+    let passivity = coupling::passivity(section)?;
     for guard in [&mut params.guard, &mut extras.asked] {
+        guard.passivity = passivity;
         let [max_force, max_torque, max_force_rate, max_torque_rate, ramp_in] = given;
         set(&mut guard.max_force, max_force);
         set(&mut guard.max_torque, max_torque);
@@ -142,13 +161,6 @@ fn sweeps(section: &Section<'_, '_>) -> Result<Option<u8>, SceneError> {
     match u8::try_from(count) {
         Ok(sweeps) if (1..=MAX_SWEEPS).contains(&count) => Ok(Some(sweeps)),
         _ => Err(section.error("sweeps", &format!("allowed is {}; correct the value", SWEEPS.allowed))),
-    }
-}
-
-fn coupling(section: &Section<'_, '_>) -> Result<(), SceneError> {
-    match section.optional_word(COUPLING, &[("direct", true), ("virtual", false)])? {
-        Some(false) => Err(section.error("coupling", "not available in this version; available is direct")),
-        _ => Ok(()),
     }
 }
 

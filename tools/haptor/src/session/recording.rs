@@ -28,7 +28,7 @@ impl Recording {
         let mut recording = Self::default();
         for record in RecordReader::new(&file) {
             match record {
-                Ok(Record::Header(_)) => {}
+                Ok(Record::Header(_) | Record::Device(_)) => {}
                 Ok(Record::Tick(tick)) => recording.ticks.push(tick),
                 Ok(Record::Fault(fault)) => recording.faults.push(fault),
                 Ok(Record::End(summary)) => recording.summary = Some(summary),
