@@ -74,6 +74,36 @@ fn options_take_the_place_of_the_scene() {
     assert!(largest(&eval(&["--guard"])) <= 8.5);
 }
 
+/// The scene with a virtual coupling, and the force and torque that `eval` gives at 1.3 s, pressed by 1 mm, twisted and at rest.
+fn coupled(numbers: &str, more: &[&str]) -> [f32; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("virtual.toml");
+    let text = fs::read_to_string(scene()).unwrap();
+    fs::write(&file, format!("{text}coupling = \"virtual\"\n[coupling]\n{numbers}\n")).unwrap();
+    let trajectory = trajectory();
+    let files = ["eval", file.to_str().unwrap(), trajectory.to_str().unwrap()];
+    let table = String::from_utf8(said(&[&files, more].concat())).unwrap();
+    let row: Vec<&str> = table.lines().find(|row| row.starts_with("1.3,")).unwrap().split(',').collect();
+    [3, 6].map(|column: usize| row[column].parse().unwrap())
+}
+
+#[test]
+fn a_virtual_coupling_puts_its_spring_before_the_contact() {
+    // 1 mm of the handle is shared by 800 N/m of the spring and 7.4 kN/m of the rubber at the depth that is left
+    let [force, torque] = coupled("", &[]);
+    assert!((0.70..0.75).contains(&force), "{force} N");
+    assert!((-0.0006..-0.0002).contains(&torque), "{torque} N m: 3 pi/16 mu P a of the lighter press");
+    // a stiff spring would press as a direct coupling does, with 23.7 N; it may pull with what the scene says or the device shows
+    let light = "translational_stiffness = 1e6\ntranslational_damping = 1.0\n";
+    let [force, _] = coupled(&format!("{light}max_force = 1.0"), &[]);
+    assert!((0.98..1.02).contains(&force), "{force} N of 1 N");
+    let [force, _] = coupled(light, &[]);
+    assert!((8.4..8.6).contains(&force), "{force} N of a Premium's 8.5 N");
+    // at rest the hand gets what the contact gives
+    let ([contact, _], [hand, _]) = (coupled("", &[]), coupled("", &["--guard"]));
+    assert!((hand / contact - 1.0).abs() < 1e-2, "{hand} N, contact {contact} N");
+}
+
 #[test]
 fn flags_of_the_guard_show_only_with_the_guard() {
     let folder = tempfile::tempdir().unwrap();

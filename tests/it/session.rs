@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use haptor_contact::{
-    GuardSpec, Input, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Pose, ProbePart, ProbeShape, Quat, Scratch,
-    State, Vec3, step,
+    CouplingSpec, GuardSpec, Input, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Pose, ProbePart, ProbeShape,
+    Quat, Scratch, State, Vec3, VirtualCoupling, step,
 };
 use haptor_host::convert::Scene;
 use haptor_host::link::{Link, mem};
@@ -15,7 +15,8 @@ use haptor_host::rt::control::Control;
 use haptor_host::rt::flags;
 use haptor_host::rt::line::{Line, exchange};
 use haptor_wire::{
-    DeviceHello, FromDevice, FromHost, HostFault, Mode, PROTOCOL_VERSION, RtReport, SCHEMA_HASH, TickRecord, encode_stream,
+    BakedScene, Coupling, DeviceHello, FromDevice, FromHost, HostFault, Mode, PROTOCOL_VERSION, RtReport, SCHEMA_HASH,
+    TickRecord, encode_stream,
 };
 
 use crate::host_rig::{Rig, ball_on_cube, length, settings};
@@ -49,7 +50,7 @@ fn the_hand_presses_twists_and_slides_and_feels_it() {
 
 #[test]
 fn what_was_recorded_is_what_the_core_says_bit_for_bit() {
-    let last = replay(&played());
+    let last = replay(&played(), CouplingSpec::Direct);
     assert!(last > TICKS - 10);
 }
 
@@ -65,16 +66,35 @@ fn a_recording_with_gaps_replays_too() {
     }
     assert!(rig.ticks.iter().filter(|t| t.flags & flags::HELD != 0).count() > 50, "stalls that were ridden through");
     assert_eq!(rig.summary().fault, None);
-    replay(&rig);
+    replay(&rig, CouplingSpec::Direct);
+}
+
+/// A scene that asks for a virtual coupling and gives no number: all of it comes from the device, which the recording names.
+#[test]
+fn a_virtual_coupling_holds_a_session_and_its_recording_replays() {
+    let scene = BakedScene { coupling: Coupling::Virtual(haptor_wire::VirtualCoupling::DEVICE_S_OWN), ..ball_on_cube() };
+    let mut rig = Rig::on(&scene, "press-twist-slide", Some(TICKS), |cable| Box::new(cable));
+    while !rig.control.is_over() {
+        rig.tick();
+    }
+    let (summary, direct) = (rig.summary(), played().summary());
+    assert_eq!((summary.ticks, summary.in_time, summary.fault), (TICKS, TICKS, None));
+    // the same hand on a softer spring: it feels less, never more than the device renders
+    assert!((1.0..direct.peak_force).contains(&summary.peak_force), "{} N, direct {} N", summary.peak_force, direct.peak_force);
+    assert!(summary.peak_torque > 0.005, "{} N m", summary.peak_torque);
+    assert!(rig.ticks.iter().any(|t| length(t.contact_force) == 0.0 && t.tick > 2000), "lifted");
+    let device = rig.device.expect("the recording names the device");
+    let (max_force, max_torque) = (device.max_force_un as f32 * 1.0e-6, device.max_torque_unm as f32 * 1.0e-6);
+    replay(&rig, CouplingSpec::Virtual(VirtualCoupling { max_force, max_torque, ..VirtualCoupling::default() }));
 }
 
 /// Feeds the recorded poses to the core itself: every figure of every tick must come out again, bit for bit. Yields the last tick
 /// with a pose.
-fn replay(rig: &Rig) -> u64 {
+fn replay(rig: &Rig, coupling: CouplingSpec) -> u64 {
     let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
     let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
     let model = Model::new(&ModelSpec::new(ObjectShape::Box { size: Vec3::splat(0.1) }, rubber, &ball)).unwrap();
-    let params = Params::new(&ParamsSpec { guard: GuardSpec::default(), ..ParamsSpec::default() }).unwrap();
+    let params = Params::new(&ParamsSpec { guard: GuardSpec::default(), coupling, ..ParamsSpec::default() }).unwrap();
     let (mut state, mut scratch) = (Box::new(State::<16, 256, 256>::new()), Scratch::<16>::new());
     let mut stepped_at = None;
     for tick in rig.ticks.iter().filter(|t| t.flags & flags::NO_POSE == 0) {
