@@ -105,8 +105,8 @@ struct Felt {
 const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
 
 impl Felt {
-    fn new(object: ObjectShape, material: Material, parts: &[ProbePart], mass: f32, spec: &ParamsSpec) -> Self {
-        let parts: &'static [ProbePart] = Box::leak(parts.to_vec().into_boxed_slice());
+    fn new(object: ObjectShape<'static>, material: Material, parts: &[ProbePart<'static>], mass: f32, spec: &ParamsSpec) -> Self {
+        let parts: &'static [ProbePart<'static>] = Box::leak(parts.to_vec().into_boxed_slice());
         let spec_of_model = ModelSpec { mass, ..ModelSpec::new(object, material, parts) };
         Self {
             model: Model::new(&spec_of_model).expect("valid model"),
@@ -126,7 +126,7 @@ fn virtual_spec() -> ParamsSpec {
     ParamsSpec { coupling: CouplingSpec::Virtual(VirtualCoupling::default()), ..ParamsSpec::default() }
 }
 
-fn ball() -> [ProbePart; 1] {
+fn ball() -> [ProbePart<'static>; 1] {
     [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]
 }
 
@@ -163,7 +163,7 @@ fn decades(i: u32, low: f32, high: f32) -> f32 {
     10.0_f32.powf(low + (high - low) * 0.5 * (noise(i) + 1.0))
 }
 
-fn shape(kind: u32, size: f32) -> ProbeShape {
+fn shape(kind: u32, size: f32) -> ProbeShape<'static> {
     let (radius, height) = (0.5 * size, size);
     match kind % 6 {
         0 => ProbeShape::Sphere { radius },
@@ -271,7 +271,7 @@ fn every_build_gives_these_bits() {
 
 #[test]
 fn a_given_inertia_is_used_and_a_wrong_one_refused() {
-    let parts: &'static [ProbePart] = Box::leak(ball().to_vec().into_boxed_slice());
+    let parts: &'static [ProbePart<'static>] = Box::leak(ball().to_vec().into_boxed_slice());
     let spec = ModelSpec::new(ObjectShape::HalfSpace, RUBBER, parts);
     let own = Model::new(&spec).expect("valid").inertia();
     assert!((own.moments - Vec3::splat(0.4 * 4.0e-4)).length() < 1.0e-8, "{own:?}");

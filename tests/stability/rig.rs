@@ -162,7 +162,7 @@ impl Span {
 
 impl Case {
     fn model(self) -> ModelSpec<'static> {
-        const BALL: &[ProbePart] = &[ProbePart::at_origin(ProbeShape::Sphere { radius: RADIUS })];
+        const BALL: &[ProbePart<'_>] = &[ProbePart::at_origin(ProbeShape::Sphere { radius: RADIUS })];
         let material = Material { young_modulus: self.young_modulus, poisson_ratio: 0.5, density: 1100.0 };
         ModelSpec { mass: self.mass, ..ModelSpec::new(ObjectShape::HalfSpace, material, BALL) }
     }
