@@ -118,7 +118,7 @@ impl Surface<'_> {
     }
 }
 
-/// A surface prepared for many points: 14 kB at most.
+/// A surface prepared for many points: 35 kB, of which the skeleton is 20 kB, on the stack of who asks.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     base: f32,

@@ -7,7 +7,7 @@ use crate::math::PI;
 
 use super::block::{BLOCK, Block, Lane, inverse_root, less, more};
 use super::field::{Dent, Drag, Field, Frame, Held, Turn};
-use super::local::{FAR, FAR_TURNED, acos_over_root, cubic};
+use super::local::{FAR, FAR_TURNED, acos_over_root, quadratic};
 use super::slip_table::Row;
 
 /// Where the points of a block are as the patch sees them.
@@ -45,17 +45,21 @@ const LEAST_SQUARE: f32 = 1.0e-30;
 impl Field {
     /// Adds the displacement of the block's points.
     pub fn add(&self, block: &mut Block) {
-        let placed = self.frame.place(block);
+        if self.frame.upright { self.add_by::<true>(block) } else { self.add_by::<false>(block) }
+    }
+
+    fn add_by<const UPRIGHT: bool>(&self, block: &mut Block) {
+        let placed = self.frame.place::<UPRIGHT>(block);
         if placed.any_near {
             let slipping = if self.turn.slips { self.turn.row.over(&placed, &self.frame) } else { [0.0; BLOCK] };
-            self.sum::<true>(&placed, &slipping, block);
+            self.sum::<UPRIGHT, true>(&placed, &slipping, block);
         } else {
-            self.sum::<false>(&placed, &[0.0; BLOCK], block);
+            self.sum::<UPRIGHT, false>(&placed, &[0.0; BLOCK], block);
         }
     }
 
     #[inline(always)]
-    fn sum<const NEAR: bool>(&self, placed: &Placed, slipping: &Lane, block: &mut Block) {
+    fn sum<const UPRIGHT: bool, const NEAR: bool>(&self, placed: &Placed, slipping: &Lane, block: &mut Block) {
         let Self { frame, dent, drag, turn, held } = self;
         let (e, f, n) = (frame.first, frame.second, frame.normal);
         for i in 0..BLOCK {
@@ -70,25 +74,34 @@ impl Field {
             let (along, across, up) = combined(x, y, depth, inverse, frame, &radial, dent, drag, held);
             let fade = frame.fade(block.z[i]);
             let (u, v, w) = (along * fade, across * fade, up * fade);
-            block.ux[i] += u * e.x + v * f.x + w * n.x;
-            block.uy[i] += u * e.y + v * f.y + w * n.y;
-            block.uz[i] += u * e.z + v * f.z + w * n.z;
+            if UPRIGHT {
+                block.ux[i] += u * e.x + v * f.x;
+                block.uy[i] += u * e.y + v * f.y;
+                block.uz[i] += w;
+            } else {
+                block.ux[i] += u * e.x + v * f.x + w * n.x;
+                block.uy[i] += u * e.y + v * f.y + w * n.y;
+                block.uz[i] += u * e.z + v * f.z + w * n.z;
+            }
         }
     }
 }
 
 impl Frame {
     #[inline(always)]
-    fn place(&self, block: &Block) -> Placed {
+    fn place<const UPRIGHT: bool>(&self, block: &Block) -> Placed {
         let (c, e, f, n) = (self.centre, self.first, self.second, self.normal);
         let mut placed = Placed { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inverse: [0.0; BLOCK], any_near: false };
         let reach = self.radius / FAR;
         let mut near = 0_u32;
         for i in 0..BLOCK {
             let (dx, dy, dz) = (block.x[i] - c.x, block.y[i] - c.y, block.z[i] - c.z);
-            let x = dx * e.x + dy * e.y + dz * e.z;
-            let y = dx * f.x + dy * f.y + dz * f.z;
-            let below = -(dx * n.x + dy * n.y + dz * n.z);
+            let (x, y, below) = if UPRIGHT {
+                (dx * e.x + dy * e.y, dx * f.x + dy * f.y, -dz)
+            } else {
+                let below = -(dx * n.x + dy * n.y + dz * n.z);
+                (dx * e.x + dy * e.y + dz * e.z, dx * f.x + dy * f.y + dz * f.z, below)
+            };
             let level = x * x + y * y;
             // depth under the surface as curved at the patch: a convex body falls away without being deep
             let depth = more(below - self.half_curvature * level, 0.0);
@@ -113,12 +126,12 @@ impl Frame {
 #[inline(always)]
 fn far(s: f32, dent: &Dent, drag: &Drag, turn: &Turn) -> Radial {
     let s2 = s * s;
-    let turned = s * cubic(&FAR_TURNED, s2);
+    let turned = s * quadratic(&FAR_TURNED, s2);
     Radial {
-        dent: s * cubic(&dent.far, s2),
-        along: s * cubic(&drag.far_along, s2),
-        across: s * cubic(&drag.far_across, s2),
-        turn: s * s2 * cubic(&turn.far, s2),
+        dent: s * quadratic(&dent.far, s2),
+        along: s * quadratic(&drag.far_along, s2),
+        across: s * quadratic(&drag.far_across, s2),
+        turn: s * s2 * quadratic(&turn.far, s2),
         turned: s2 * turned,
         apart: 1.0 - turned,
         enclosed: 1.0,
