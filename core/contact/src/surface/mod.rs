@@ -187,8 +187,9 @@ mod tests {
         for (object, tier) in SHAPES.into_iter().flat_map(|o| [(o, Tier::Point), (o, Tier::Bristle), (o, Tier::Paper)]) {
             after_a_mixed_motion(object, tier, |surface| {
                 let top = object.height();
+                let (base, surface) = (surface.model.fixed_below, surface.prepare());
                 if top > 0.0 {
-                    let held = Vec3::new(0.03, 0.01, surface.model.fixed_below);
+                    let held = Vec3::new(0.03, 0.01, base);
                     assert_eq!(surface.displacement(held), Vec3::ZERO, "{object:?} {tier:?}");
                 }
                 // along a slanted way from the patch to the base, and across the top
