@@ -31,9 +31,8 @@ pub(super) const FAR_TURNED: [f32; 3] = economised([4.0 / 3.0, 2.0 / 5.0, 3.0 / 
 
 /// acos(s)/sqrt(1 - s^2) over 0..1 by powers of s, so that pi/2 - sqrt(1 - s^2) times it is asin s to 7e-8. The quotient has no
 /// singularity at s = 1, where acos has one.
-const ACOS_OVER_ROOT: [f32; 9] = [
-    1.570_796_3, -0.999_988_5, 0.785_041_65, -0.662_369_25, 0.562_508_1, -0.437_247_3, 0.269_380_4, -0.108_613_01, 0.020_492_44,
-];
+const ACOS_OVER_ROOT: [f32; 9] =
+    [0.5 * PI, -0.999_988_5, 0.785_041_65, -0.662_369_25, 0.562_508_1, -0.437_247_3, 0.269_380_4, -0.108_613_01, 0.020_492_44];
 
 /// acos(s)/sqrt(1 - s^2).
 #[inline(always)]

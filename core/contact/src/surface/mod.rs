@@ -243,4 +243,49 @@ mod tests {
         };
         after_a_mixed_motion(SHAPES[1], Tier::Point, surface_of_nothing);
     }
+
+    #[test]
+    fn a_twist_turned_back_leaves_a_ring_where_the_tier_remembers() {
+        let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+        let model = Model::new(&ModelSpec::new(ObjectShape::HalfSpace, material, &ball)).unwrap();
+        let params = Params::new(&ParamsSpec { tier: Tier::Point, ..ParamsSpec::default() }).unwrap();
+        let (mut state, mut scratch) = (State::<2, 64>::new(), Scratch::<2>::new());
+        let place = Vec3::new(0.0, 0.0, 0.018);
+        // loaded to 0.3 rad and back until nothing is held: by Masing's rule the patch then still is turned
+        for i in 0..200 {
+            let turn = if i < 100 { 0.003 * i as f32 } else { 0.3 - 0.003 * (i - 100) as f32 };
+            let input = Input { pose: Pose::new(place, Quat::from_rotation_z(turn)), dt: 1.0e-2 };
+            step(&model, &params, &mut state, &mut scratch, input);
+            if i > 100 && state.patches()[0].grip.torque <= 0.0 {
+                break;
+            }
+        }
+        let patch = state.patches()[0];
+        let surface = Surface { model: &model, params: &params, patches: &[patch], p_wp: place, body: true };
+        let turn = |q: f32| surface.displacement(Vec3::X * (q * patch.footprint.radius)).y / (q * patch.footprint.radius);
+        let fresh = patch.grip.torque.abs() / (16.0 / 3.0 * 1.0e6 * patch.footprint.radius.powi(3));
+        assert!(turn(0.1) > 0.02 && turn(0.1) > 10.0 * fresh, "{} {fresh}", turn(0.1));
+        assert!(turn(0.95) < 0.8 * turn(0.1), "{} {}", turn(0.95), turn(0.1));
+        assert!(turn(8.0).abs() < 1.0e-3 * turn(0.1), "no torque, no far field: {}", turn(8.0));
+    }
+
+    #[test]
+    fn every_build_gives_these_bits() {
+        let digest = core::cell::Cell::new(0xcbf2_9ce4_8422_2325_u64);
+        for (object, tier) in SHAPES.into_iter().flat_map(|o| [(o, Tier::Bristle), (o, Tier::Paper)]) {
+            after_a_mixed_motion(object, tier, |surface| {
+                let rest: [Vec3; 300] = core::array::from_fn(|i| {
+                    Vec3::new(3.0e-4 * i as f32 - 0.04, 1.0e-4 * (i % 17) as f32, object.height() - 3.0e-4 * (i % 211) as f32)
+                });
+                let mut moved = [Vec3::ZERO; 300];
+                surface.update(&rest, &mut moved);
+                let bytes = moved.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes());
+                // FNV-1a
+                let add = |digest: u64, byte: u8| (digest ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+                digest.set(bytes.fold(digest.get(), add));
+            });
+        }
+        assert_eq!(digest.get(), 0x4b82_5dfe_7847_92b7, "{:#x}", digest.get());
+    }
 }

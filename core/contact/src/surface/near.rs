@@ -3,6 +3,8 @@
 //! Beyond `1/FAR` contact radii every radial function is a short series whose coefficients the patch prepared; nearer, all of them share one
 //! root and one arc cosine. A block without a near point leaves the near forms out; which form a point gets depends on the point alone.
 
+#![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
+
 use crate::math::PI;
 
 use super::block::{BLOCK, Block, Lane, inverse_root, less, more};
@@ -243,8 +245,8 @@ mod tests {
     use crate::profile::{FULLNESS_HERTZ, FULLNESS_PUNCH};
     use crate::surface::local;
     use crate::surface::slip_table::slip_field;
-    use crate::tier::point::curve::Curve;
     use crate::tier::Hold;
+    use crate::tier::point::curve::Curve;
 
     const A: f32 = 0.004;
 
@@ -279,9 +281,7 @@ mod tests {
             evaluated(nu, FULLNESS_HERTZ, pull, 0.0, |q, u, hold, params| {
                 let full = 1.5 * params.mu_d * hold.load / hold.drag_stiffness;
                 let stuck = libm::cbrtf(1.0 - pull);
-                let form = |f: fn(f32) -> f32| {
-                    full * (f(q) - if stuck > 0.0 { stuck * stuck * f(q / stuck) } else { 0.0 })
-                };
+                let form = |f: fn(f32) -> f32| full * (f(q) - if stuck > 0.0 { stuck * stuck * f(q / stuck) } else { 0.0 });
                 let (along, across) = (form(local::bowl), nu / (2.0 - nu) * form(local::bowl_across));
                 let shift = full * (1.0 - stuck * stuck);
                 let expected = Vec2::new(along - across + 2.0 * across * 0.64, 2.0 * across * 0.48);

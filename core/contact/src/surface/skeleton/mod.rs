@@ -13,6 +13,8 @@
 //! Work at an update: patches x stations, then a table over the height, [`LEVELS`] intervals; after that a few operations per point,
 //! whatever the number of patches.
 
+#![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
+
 mod anchors;
 mod beam;
 mod estimate;

@@ -1,5 +1,7 @@
 //! Interpolants of least bending energy between the anchors: thin plates across, natural cubic splines along.
 
+#![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
+
 use glam::Vec3;
 
 use super::LEVELS;
