@@ -12,6 +12,7 @@ mod demo_drills;
 mod determinism;
 mod device_demo;
 mod docs;
+mod edges;
 mod eval_cli;
 mod extremes;
 #[cfg(feature = "fem")]

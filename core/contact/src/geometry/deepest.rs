@@ -59,9 +59,7 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
             let support = |d: Vec3| support_in_world(part, x_wa, d);
             faces::under_rim(radius, height, &found, reach(&part.shape), support).unwrap_or(found)
         }
-        (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => {
-            roll_down(object, part, x_wa, descend(object, part, x_wa))
-        }
+        (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => roll_down(object, part, x_wa, descend(object, part, x_wa)),
     }
 }
 
