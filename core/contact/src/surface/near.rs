@@ -260,7 +260,7 @@ mod tests {
         let mut patch = Patch::born(0, 0, 0, Vec3::ZERO, Vec3::Z);
         patch.tangent = Vec3::X;
         patch.footprint = Footprint { radius: A, load: 20.0, fullness, ..Footprint::NONE };
-        let hold = Hold::new(&model, &params, &patch, Vec2::ZERO);
+        let hold = Hold::new(&model, &params, &patch, patch.ground, 0.0);
         patch.grip = Grip {
             force: Vec2::new(pull * params.mu_d * hold.load, 0.0),
             torque: spin * Curve::twist(&hold, params.mu_d).full(),
