@@ -5,3 +5,6 @@ pub mod reference;
 
 #[path = "accuracy/mod.rs"]
 pub mod accuracy;
+
+#[path = "stability/mod.rs"]
+pub mod stability;

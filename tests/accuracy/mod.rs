@@ -170,7 +170,7 @@ fn play(case: &Case, tier: Tier) -> Played {
 }
 
 /// The probe: a disc or a ball in the middle, or two balls where the legs of a compass stand.
-fn parts(case: &Case, object: &ObjectShape) -> Vec<ProbePart> {
+fn parts(case: &Case, object: &ObjectShape<'_>) -> Vec<ProbePart<'static>> {
     if let ObjectShape::Ellipsoid { semi_axes } = *object
         && case.offset > 0.0
     {

@@ -19,7 +19,7 @@ const CUBE: Vec3 = Vec3::splat(0.1);
 const TABLE: Vec3 = Vec3::new(0.4, 0.4, 0.1);
 
 /// `legs` balls of 10 mm, one in the middle or all on a ring of 100 mm.
-fn legs(legs: usize) -> Vec<ProbePart> {
+fn legs(legs: usize) -> Vec<ProbePart<'static>> {
     let ring = if legs == 1 { 0.0 } else { 0.1 };
     (0..legs)
         .map(|i| {
@@ -54,7 +54,7 @@ fn vertices(size: Vec3, wanted: usize) -> Vec<Vec3> {
 }
 
 /// Runs a motion that presses, drags and twists, and hands over what it leaves.
-fn pressed(size: Vec3, parts: &[ProbePart], tier: Tier, look: impl FnOnce(&Surface<'_>)) {
+fn pressed(size: Vec3, parts: &[ProbePart<'_>], tier: Tier, look: impl FnOnce(&Surface<'_>)) {
     let model = Model::new(&ModelSpec::new(ObjectShape::Box { size }, RUBBER, parts)).expect("valid model");
     let params = Params::new(&ParamsSpec { tier, ..ParamsSpec::default() }).expect("valid parameters");
     let (mut state, mut scratch) = (Box::new(State::<16, 64>::new()), Scratch::<16>::new());

@@ -30,9 +30,9 @@ pub struct Case {
     /// Its name, unique.
     pub name: String,
     /// The elastic object.
-    pub object: ObjectShape,
+    pub object: ObjectShape<'static>,
     /// The probe.
-    pub probe: Vec<ProbePart>,
+    pub probe: Vec<ProbePart<'static>>,
     /// Everything else.
     pub params: ParamsSpec,
     /// Mass of the probe \[kg\].
@@ -72,12 +72,12 @@ impl Case {
 }
 
 /// A ball of 20 mm.
-fn ball() -> Vec<ProbePart> {
+fn ball() -> Vec<ProbePart<'static>> {
     vec![ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]
 }
 
 /// Ten balls of 10 mm in two rows, 30 mm apart.
-fn ten() -> Vec<ProbePart> {
+fn ten() -> Vec<ProbePart<'static>> {
     let place = |i: usize| Vec3::new(0.03 * ((i % 5) as f32 - 2.0), 0.03 * ((i / 5) as f32 - 0.5), -0.01);
     let leg = |i| ProbePart { position: place(i), ..ProbePart::at_origin(ProbeShape::Sphere { radius: 0.01 }) };
     (0..10).map(leg).collect()
@@ -113,7 +113,7 @@ pub fn all() -> Vec<Case> {
 }
 
 /// A box wide enough for the ten balls.
-const TABLE: ObjectShape = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 0.1) };
+const TABLE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 0.1) };
 
 /// One ball on the half space, twisted, tier `bristle`.
 fn base() -> Case {

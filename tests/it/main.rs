@@ -12,6 +12,7 @@ mod demo_drills;
 mod determinism;
 mod device_demo;
 mod docs;
+mod edges;
 mod eval_cli;
 mod extremes;
 #[cfg(feature = "fem")]
@@ -30,6 +31,7 @@ mod scene_errors;
 mod scenes;
 mod session;
 mod state_room;
+mod stability;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

@@ -13,6 +13,9 @@
 //!  1 detect   2 regions   3 force   4 torque   5 deform   6 wrench   7 guard
 //! ```
 //!
+//! The pose in [`Input`] is the handle's. With [`CouplingSpec::Direct`] it is the probe's too; with [`CouplingSpec::Virtual`] the probe is first moved on its spring
+//! and damper, the stages run at the probe's pose ([`State::probe_pose`]), and the device gets the coupling's wrench.
+//!
 //! Letters of frames: `w` world (base centre of the object, +z up), `p` probe (origin at its mass centre), `c` contact
 //! (origin at the patch centre, z along the normal that points out of the object). `p_wq` is the position of q in w,
 //! `f_w` a force expressed in w. Units are SI. A [`Wrench`] is always **on the probe, about its mass centre**.

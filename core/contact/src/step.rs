@@ -53,11 +53,11 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     let State { memory, patches, samples, traces } = state;
     let (handle, mut flags) = accept(memory, &input);
     let Some(handle) = handle else { return refused(params, memory, patches, input.dt, flags) };
+    let elapsed = core::mem::take(&mut memory.since_last_pose);
     if is_still(params, memory, &handle) {
         return finish(params, memory, patches, Some(&handle), input.dt, memory.flags);
     }
-    let (now, coupled) = coupling::probe_pose(model, params, memory, handle, input.dt);
-    flags |= coupled;
+    let now = coupling::probe_pose(model, params, memory, &handle, elapsed, &mut flags);
     let births = memory.next_serial;
     // 1 detect
     let left_out = detect::detect(model, &now, &mut scratch.contacts);
@@ -125,7 +125,7 @@ fn is_still(params: &Params, memory: &Memory, handle: &Pose<World, ProbeFrame>) 
     memory.settled_for == Some(params.fingerprint) && memory.last_handle() == Some(*handle)
 }
 
-/// Checks the pose and normalises it; `None` keeps the last good state.
+/// Checks the pose and normalises it; `None` keeps the last good state. Counts the time since the last good one.
 fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>>, Flags) {
     let Input { pose, dt } = *input;
     if !(dt > 0.0 && dt.is_finite()) {
@@ -140,7 +140,6 @@ fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>
     if memory.last_handle().is_some_and(|last| is_jump(&last, &pose, memory.since_last_pose)) {
         return (None, Flags::POSE_REFUSED | Flags::POSE_JUMP);
     }
-    memory.since_last_pose = 0.0;
     (Some(Pose::new(pose.position, pose.rotation * (1.0 / norm))), Flags::CLEAN)
 }
 

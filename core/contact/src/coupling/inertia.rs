@@ -28,7 +28,7 @@ impl Inertia {
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         let (m, p) = (self.moments, self.products);
         for (own, others) in [(m.x, m.y + m.z), (m.y, m.x + m.z), (m.z, m.x + m.y)] {
-            require(own >= 0.0 && own <= LARGEST, "probe.inertia.moments", own, "0 to 1e8 kg m^2")?;
+            require((0.0..=LARGEST).contains(&own), "probe.inertia.moments", own, "0 to 1e8 kg m^2")?;
             require(own <= others * SLACK, "probe.inertia.moments", own, "at most the sum of the other two")?;
         }
         for (product, pair) in [(p.x, m.x * m.y), (p.y, m.x * m.z), (p.z, m.y * m.z)] {

@@ -1,4 +1,4 @@
-//! One semi-implicit step of the probe (theory.md, equations 10.6 to 10.9).
+//! One semi-implicit step of the probe (theory.md, equations 10.8 and 10.9).
 //!
 //! With dt the tick and the contact linearised at the probe's last pose, one symmetric 6x6 system gives the speeds at the tick's end; the pose follows
 //! from them. Mass may be zero: the step is then Newton's step to equilibrium. Angular momentum is what is carried from tick to tick, so that a free probe keeps it
@@ -37,6 +37,7 @@ struct Axis {
 }
 
 /// Speeds at the end of a tick.
+#[derive(Clone, Copy)]
 struct Speeds {
     velocity: Vec3,
     spin: Vec3,

@@ -45,7 +45,7 @@ pub enum CouplingSpec {
     Virtual(VirtualCoupling),
 }
 
-/// The coupling of [`CouplingSpec::Virtual`].
+/// The coupling of [`CouplingSpec::Virtual`]. Handle and probe more than half a turn apart are pulled together the short way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VirtualCoupling {
     /// Stiffness in translation \[N/m\], 1 to 1e6.
@@ -178,32 +178,34 @@ impl Coupled {
     }
 }
 
-/// Pose of the probe in the tick that begins with the handle at `handle`. A coupling that was not there before begins at rest at the probe's last pose.
+/// Pose of the probe in the tick that begins with the handle at `handle`, `dt` after its last pose. A coupling that was not there before begins at rest at the probe's last pose.
+#[inline]
 pub(crate) fn probe_pose(
     model: &Model<'_>,
     params: &Params,
     memory: &mut Memory,
-    handle: Pose<World, ProbeFrame>,
+    handle: &Pose<World, ProbeFrame>,
     dt: f32,
-) -> (Pose<World, ProbeFrame>, Flags) {
+    flags: &mut Flags,
+) -> Pose<World, ProbeFrame> {
     let CouplingSpec::Virtual(spec) = &params.coupling else {
         memory.coupled = None;
-        return (handle, Flags::CLEAN);
+        return *handle;
     };
-    let start = memory.last_pose.unwrap_or(handle);
+    let start = memory.last_pose.unwrap_or(*handle);
     let contact = memory.contact;
-    let coupled = memory.coupled.get_or_insert_with(|| Coupled::at(start, handle));
+    let coupled = memory.coupled.get_or_insert_with(|| Coupled::at(start, *handle));
     coupled.contact_before = contact;
-    let flags = integrate::advance(model, spec, coupled, &handle, &contact, dt);
-    (coupled.probe, flags)
+    *flags |= integrate::advance(model, spec, coupled, handle, &contact, dt);
+    coupled.probe
 }
 
 /// Keeps the contact's stiffness at the pose of this tick for the next.
+#[inline]
 pub(crate) fn linearise(model: &Model<'_>, params: &Params, memory: &mut Memory, patches: &[Patch]) {
-    if let Some(coupled) = &mut memory.coupled {
-        let lost = (coupled.contact_before.force - memory.contact.force, coupled.contact_before.torque - memory.contact.torque);
-        let missing = coupled.contact.missing;
-        coupled.contact = stiffness::linearise(model, params, patches, &coupled.probe);
-        coupled.contact.take_up(missing, coupled.moved, lost);
-    }
+    let Memory { coupled: Some(coupled), contact, .. } = memory else { return };
+    let lost = (coupled.contact_before.force - contact.force, coupled.contact_before.torque - contact.torque);
+    let missing = coupled.contact.missing;
+    coupled.contact = stiffness::linearise(model, params, patches, &coupled.probe);
+    coupled.contact.take_up(missing, coupled.moved, lost);
 }

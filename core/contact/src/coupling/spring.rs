@@ -9,7 +9,8 @@ use glam::Vec3;
 
 use crate::math::{max, min, root};
 
-/// Stiffness in series with the damper, in stiffnesses of the spring: at 4 a probe on a critical damper still settles with a damping ratio of 0.6.
+/// Stiffness in series with the damper, in stiffnesses of the spring. At 4 a probe on a critical damper settles with a damping ratio of 0.37; 2 would leave
+/// 0.19, 8 would double what an encoder step costs the hand.
 const GIVE: f32 = 4.0;
 
 /// Three equal springs and dampers, for translation \[N/m, N s/m, N\] or for rotation \[N m/rad, N m s/rad, N m\].

@@ -1,4 +1,4 @@
-//! How stiff the contact is against small motions of the probe (theory.md, equation 10.6).
+//! How stiff the contact is against small motions of the probe (theory.md, equations 10.6 and 10.7).
 //!
 //! Every patch is a spring along its normal, two along the surface, one of twist and, where it is flat, two of tilt. It need not be exact: at rest it drops
 //! out, too stiff only slows the probe. Along the surface there are two answers: friction that is being loaded has the tangent of what still sticks,
@@ -37,13 +37,13 @@ struct Stiffness {
     tilt: f32,
 }
 
-/// Relative step of the difference quotient of a given force law: three times the square root of f32's resolution, rounded up.
+/// Relative step of the difference quotient of a given force law: six times the root of f32's resolution.
 const LAW_STEP: f32 = 2.0e-3;
 
 /// Share of the missing spring that stays from tick to tick: it fades over ten, by when the probe is elsewhere or still asks for it.
 const FADE: f32 = 0.9;
 
-/// Motions below this many steps of a pose's resolution say nothing about stiffness: rounding of the contact is then a fifth of them \[m, rad\].
+/// Motions below this say nothing about stiffness \[m, rad\]: a pose a tenth of a metre from the origin is rounded by a seventieth of it.
 const LEAST_MOTION: f32 = 5.0e-7;
 
 /// What is missing counts from this share of the known stiffness on; below, curvature and rounding make it.
@@ -52,8 +52,10 @@ const LEAST_SHARE: f32 = 0.1;
 impl Linear {
     /// Measures, from the last motion of the probe and the wrench it lost by it, whether the contact is stiffer than its patches say, and adds
     /// the shortfall r r^T / (r . s) (the symmetric rank-one secant update) to what was `missing` before.
+    /// Fades while the probe moves or touches nothing.
     pub fn take_up(&mut self, missing: Sym6, moved: (Vec3, Vec3), lost: (Vec3, Vec3)) {
-        if moved.0.length() > LEAST_MOTION || moved.1.length() > LEAST_MOTION {
+        let touches = self.unloading != Sym6::default();
+        if !touches || moved.0.length() > LEAST_MOTION || moved.1.length() > LEAST_MOTION {
             self.missing = missing.scaled(FADE);
             let (force, torque) = self.unloading.plus(&self.missing).times(moved.0, moved.1);
             let rest = (lost.0 - force, lost.1 - torque);

@@ -174,3 +174,56 @@ fn parts_with_flats_settle_without_mass() {
         }
     }
 }
+
+/// Sliding is resisted by friction and nothing else, with mass and without: the linearised contact adds no drag of its own.
+#[test]
+fn a_steady_slide_costs_mu_p() {
+    for mass in [0.0, 0.1] {
+        let mut felt = Felt::on(3.0e6, mass);
+        felt.go(Vec3::Z * -0.009, Vec3::Z, 0.0, 200);
+        let output = felt.go(Vec3::X * 0.05, Vec3::Z, 0.0, 1000);
+        let (across, load) = (output.wrench.force.x, output.contact.force.z);
+        assert!((across / (-0.75 * load) - 1.0).abs() < 0.03, "{mass} kg: {output:?}");
+    }
+}
+
+/// The coupling never pulls harder than it saturates.
+#[test]
+fn a_saturated_coupling_presses_no_harder() {
+    let spring = VirtualCoupling { max_force: 2.0, ..VirtualCoupling::default() };
+    let params = ParamsSpec { coupling: CouplingSpec::Virtual(spring), ..soft() };
+    let mut felt = Felt::new(&ModelSpec::new(ObjectShape::HalfSpace, RUBBER, &BALL), &params);
+    felt.go(Vec3::Z * -0.015, Vec3::Z, 0.0, 400);
+    let output = felt.hold(4000);
+    assert!((output.contact.force.z - 2.0).abs() < 5.0e-3 && (output.wrench.force.z - 2.0).abs() < 5.0e-3, "{output:?}");
+}
+
+/// Weight acts on the probe and reaches the hand through the spring.
+#[test]
+fn gravity_hangs_on_the_spring() {
+    let params = ParamsSpec { gravity: true, ..soft() };
+    let spec = ModelSpec { mass: 0.2, ..ModelSpec::new(ObjectShape::HalfSpace, RUBBER, &BALL) };
+    let mut felt = Felt::new(&spec, &params);
+    felt.handle.0.z = 0.1;
+    let output = felt.hold(4000);
+    assert!((output.wrench.force.z + 0.2 * 9.806_65).abs() < 1.0e-3, "{output:?}");
+}
+
+/// Twenty lost poses of a moving handle: the probe makes up for them with the speed it had, and the damper does not take them for a jump.
+#[test]
+fn lost_poses_do_not_pull() {
+    let mut felt = Felt::on(3.0e6, 1.0);
+    felt.go(Vec3::X * 0.2, Vec3::Z, 0.0, 2000);
+    let speed = 1.0e-4;
+    for _ in 0..20 {
+        let nowhere = Input { pose: Pose::new(Vec3::NAN, Quat::IDENTITY), dt: felt.dt };
+        let output = step(&felt.model, &felt.params, &mut felt.state, &mut felt.scratch, nowhere);
+        assert!(output.report.flags.contains(Flags::POSE_REFUSED));
+    }
+    felt.handle.0.x += 20.0 * speed;
+    for _ in 0..50 {
+        felt.handle.0.x += speed;
+        let output = felt.tick();
+        assert!(output.wrench.force.length() < 0.05, "{output:?}");
+    }
+}

@@ -52,11 +52,14 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::Box { size }, _) => {
             let found = descend(object, part, x_wa);
             let support = |d: Vec3| support_in_world(part, x_wa, d);
-            faces::under_edge(0.5 * size, gap::centre(object), &found, support).unwrap_or(found)
+            faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), support).unwrap_or(found)
         }
-        (ObjectShape::Ellipsoid { .. } | ObjectShape::Cylinder { .. } | ObjectShape::Mesh(_), _) => {
-            roll_down(object, part, x_wa, descend(object, part, x_wa))
+        (ObjectShape::Cylinder { radius, height }, _) => {
+            let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
+            let support = |d: Vec3| support_in_world(part, x_wa, d);
+            faces::under_rim(radius, height, &found, reach(&part.shape), support).unwrap_or(found)
         }
+        (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => roll_down(object, part, x_wa, descend(object, part, x_wa)),
     }
 }
 

@@ -17,8 +17,11 @@ const EDGE_STEPS: usize = 18;
 /// Halvings of the third share at a corner.
 const CORNER_STEPS: usize = 16;
 
-/// A face farther than this many depths has no part in the blend: its weight is below 3e-5.
-const FARTHEST: f32 = 8.0;
+/// A face farther than this many depths has a weight below 1e-3: descent finds such points, and the bound proves it.
+const FARTHEST: f32 = 4.0;
+
+/// How near an edge, in reaches of the part, a descent that found no overlap is not believed.
+const MISSED: f32 = 0.25;
 
 /// Share of its depth by which a point may miss the deepest.
 const SETTLED: f32 = 1.0e-3;
@@ -40,13 +43,13 @@ struct Trial {
 }
 
 /// The deepest point, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
-/// `None` where the one given is right: away from edges, with a bound on its depth that proves it.
-pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
+/// `reach` is the radius of the ball that holds the part \[m\]. `None` where the one given is right: away from edges, with a bound on its depth that proves it.
+pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
     let place = at.point - centre;
     let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
     let search = Search { half, sign, support: |d: Vec3| support(d) - centre };
     let (slack, depth) = (half - sign * place, -at.gap.distance);
-    if search.is_settled(slack, depth) {
+    if search.is_settled(slack, depth, reach) {
         return None;
     }
     let found = search.over();
@@ -56,10 +59,14 @@ pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, support: impl Fn(Vec3)
 
 impl<F: Fn(Vec3) -> Vec3> Search<F> {
     /// True when only one face is near and the depth found there meets the bound that its weights give from above.
-    fn is_settled(&self, slack: Vec3, depth: f32) -> bool {
-        let far = FARTHEST * depth;
-        if depth <= 0.0 || slack.to_array().into_iter().filter(|&s| s < far).count() > 1 {
+    fn is_settled(&self, slack: Vec3, depth: f32, reach: f32) -> bool {
+        // a descent that found no overlap may have missed a shallow one by an edge
+        let far = if depth > 0.0 { FARTHEST * depth } else { MISSED * reach };
+        if slack.to_array().into_iter().filter(|&s| s < far).count() > 1 {
             return false;
+        }
+        if depth <= 0.0 {
+            return true;
         }
         let share = Vec3::splat(depth) / slack;
         let weights = share * share * share * share * share;
@@ -98,6 +105,96 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         let point = (self.support)(-(weights * self.sign));
         Trial { shares, weights, point, slack: self.half - self.sign * point }
     }
+}
+
+/// A cylinder about its centre: the sign of the near end, and the way out to the point that was found.
+struct Rim<F> {
+    radius: f32,
+    half_height: f32,
+    sign: f32,
+    out: Vec3,
+    support: F,
+}
+
+/// Halvings of the direction across the axis, within [`WIDEST_TURN`] of the one found.
+const TURN_STEPS: usize = 16;
+
+/// Tangent of the largest turn about the axis away from the point that was found.
+const WIDEST_TURN: f32 = 1.0;
+
+/// The deepest point under the rim of an upright cylinder, as [`under_edge`]. The round side is a face for every direction across the axis; of these
+/// the least is the one that points at its own support point.
+pub fn under_rim(radius: f32, height: f32, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
+    let centre = Vec3::Z * (0.5 * height);
+    let place = at.point - centre;
+    let out = direction(Vec3::new(place.x, place.y, 0.0), Vec3::X);
+    let sign = if place.z < 0.0 { -1.0 } else { 1.0 };
+    let rim = Rim { radius, half_height: 0.5 * height, sign, out, support: |d: Vec3| support(d) - centre };
+    let (side, end) = (radius - place.dot(out), rim.half_height - sign * place.z);
+    let depth = -at.gap.distance;
+    let far = if depth > 0.0 { FARTHEST * depth } else { MISSED * reach };
+    if max(side, end) >= far && (depth <= 0.0 || rim.bound(side, end, depth) <= (1.0 + SETTLED) * depth) {
+        return None;
+    }
+    let (depth, normal, point) = rim.least_turn(rim.best_share());
+    Some(Deepest { point: point + centre, gap: Gap { distance: -depth, normal: direction(normal, Vec3::Z) } })
+}
+
+impl<F: Fn(Vec3) -> Vec3> Rim<F> {
+    /// What the weights of a point's slacks say of the depth from above.
+    fn bound(&self, side: f32, end: f32, depth: f32) -> f32 {
+        let weight = |s: f32| {
+            let share = depth / s;
+            share * share * share * share * share
+        };
+        self.trial(weight(side), weight(end), self.out).0
+    }
+
+    /// Depth bound, slacks of side and end, and the support point for given weights.
+    fn trial(&self, side: f32, end: f32, out: Vec3) -> (f32, f32, f32, Vec3) {
+        let point = (self.support)(-(out * side + Vec3::Z * (self.sign * end)));
+        let (to_side, to_end) = (self.radius - out.dot(point), self.half_height - self.sign * point.z);
+        (side * to_side + end * to_end, to_side, to_end, point)
+    }
+
+    /// The side's share at which its slope is the end's.
+    fn best_share(&self) -> f32 {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..EDGE_STEPS {
+            let share = 0.5 * (low + high);
+            let (_, to_side, to_end, _) = self.trial(weight_of(share), weight_of(1.0 - share), self.turned(share));
+            let (side, end) = (root(root(share)) * to_side, root(root(1.0 - share)) * to_end);
+            if side > end { high = share } else { low = share }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The direction across the axis that points at its own support point.
+    fn turned(&self, share: f32) -> Vec3 {
+        let across = Vec3::Z.cross(self.out);
+        let along = |turn: f32| direction(self.out + across * turn, self.out);
+        let (mut low, mut high) = (-WIDEST_TURN, WIDEST_TURN);
+        for _ in 0..TURN_STEPS {
+            let turn = 0.5 * (low + high);
+            let out = along(turn);
+            let (_, _, _, point) = self.trial(weight_of(share), weight_of(1.0 - share), out);
+            if Vec3::Z.cross(out).dot(point) > 0.0 { low = turn } else { high = turn }
+        }
+        along(0.5 * (low + high))
+    }
+
+    /// Depth, normal (of any length) and deepest point at a share.
+    fn least_turn(&self, share: f32) -> (f32, Vec3, Vec3) {
+        let out = self.turned(share);
+        let (side, end) = (weight_of(share), weight_of(1.0 - share));
+        let (depth, _, _, point) = self.trial(side, end, out);
+        (depth, out * side + Vec3::Z * (self.sign * end), point)
+    }
+}
+
+/// Weight of a share.
+fn weight_of(share: f32) -> f32 {
+    share * root(root(share))
 }
 
 impl Trial {

@@ -133,9 +133,9 @@ impl Stand<'_> {
             let (value, gradient) = self.cut(z, centre + ray * share);
             slope = gradient;
             if value < 0.0 {
-                low = share
+                low = share;
             } else {
-                high = share
+                high = share;
             }
             let rise = gradient.dot(ray);
             let next = share - value / rise;

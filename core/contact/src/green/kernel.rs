@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::math::{PI, ln, max, min, root};
 use crate::model::{Model, ObjectShape};
-use crate::surface::local::{FAR_DISC, FAR_DISC_ACROSS, FAR_TURNED, cubic, disc, disc_across, turned_disc};
+use crate::surface::local::{disc, disc_across, turned_disc};
 
 /// A force on the object and a torque about the disc's normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -182,8 +182,14 @@ fn around(s: f32) -> (f32, f32, f32) {
         return (disc(q), disc_across(q), turned_disc(q));
     }
     let s2 = s * s;
-    (s * cubic(&FAR_DISC, s2), s * cubic(&FAR_DISC_ACROSS, s2), s * s2 * cubic(&FAR_TURNED, s2))
+    let cubic = |c: [f32; 4]| c[0] + s2 * (c[1] + s2 * (c[2] + s2 * c[3]));
+    (s * cubic(DISC), s * cubic(DISC_ACROSS), s * s2 * cubic(TURNED))
 }
+
+/// Coefficients of s, s^3, s^5, s^7 in `disc` and `disc_across`, and of s^3, s^5, s^7, s^9 in `turned_disc`.
+const DISC: [f32; 4] = [2.0 / PI, 1.0 / (3.0 * PI), 3.0 / (20.0 * PI), 5.0 / (56.0 * PI)];
+const DISC_ACROSS: [f32; 4] = [2.0 / PI, -1.0 / PI, -1.0 / (4.0 * PI), -1.0 / (8.0 * PI)];
+const TURNED: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (5.0 * PI), 3.0 / (14.0 * PI), 5.0 / (36.0 * PI)];
 
 /// Radius over distance up to which the series are good to 1e-4: what patches that do not overlap are apart, where they are alike.
 const SERIES: f32 = 0.5;

@@ -45,22 +45,18 @@ impl Block {
     }
 }
 
-/// 1/sqrt(x) for normal x > 0, to 3e-7: a first guess from the exponent, then two steps of third order. Products and sums only, so that it
-/// vectorises and has the same bits everywhere.
+/// 1/sqrt(x) for normal x > 0, to 3e-7: a first guess from the exponent, a step of Newton's and one of third order. Products and sums only, so
+/// that it vectorises and has the same bits everywhere.
 #[inline(always)]
 pub(super) fn inverse_root(x: f32) -> f32 {
-    let guess = f32::from_bits(GUESS.wrapping_sub(x.to_bits() >> 1));
-    refined(x, refined(x, guess))
-}
-
-/// Bits of the guess: halves and negates the exponent; within 3.5 % everywhere.
-const GUESS: u32 = 0x5f37_59df;
-
-#[inline(always)]
-fn refined(x: f32, y: f32) -> f32 {
+    let y = f32::from_bits(GUESS.wrapping_sub(x.to_bits() >> 1));
+    let y = y * (1.5 - (0.5 * x * y) * y);
     let t = x * y * y;
     y * (1.875 - t * (1.25 - 0.375 * t))
 }
+
+/// Bits of the guess: halves and negates the exponent; within 3.5 % everywhere, 0.2 % after the first step.
+const GUESS: u32 = 0x5f37_59df;
 
 /// The smaller, by a select.
 #[inline(always)]

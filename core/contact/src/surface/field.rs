@@ -34,6 +34,8 @@ pub(super) struct Frame {
     pub first: Vec3,
     pub second: Vec3,
     pub normal: Vec3,
+    /// The normal is the vertical to f32.
+    pub upright: bool,
     pub radius: f32,
     pub inverse_radius: f32,
     /// Half the curvature of the object under the patch \[1/m\].
@@ -59,7 +61,7 @@ pub(super) struct Dent {
     /// 1/(2 (1 - nu)).
     pub below: f32,
     /// Coefficients of the far dent.
-    pub far: [f32; 4],
+    pub far: [f32; 3],
 }
 
 /// Equation (9.3).
@@ -78,8 +80,8 @@ pub(super) struct Drag {
     pub disc: f32,
     /// Q/(4 pi G) \[m^2\].
     pub force: f32,
-    pub far_along: [f32; 4],
-    pub far_across: [f32; 4],
+    pub far_along: [f32; 3],
+    pub far_across: [f32; 3],
 }
 
 /// Equation (9.4).
@@ -91,7 +93,7 @@ pub(super) struct Turn {
     pub slips: bool,
     /// Rotation of the part that sticks as one \[rad\].
     pub disc: f32,
-    pub far: [f32; 4],
+    pub far: [f32; 3],
 }
 
 /// What the probe, which keeps the contact as it is, takes back of the body's own motion under it: rise, and slopes along the two axes.
@@ -106,6 +108,9 @@ const SHAPE_SHARE: f32 = 0.1;
 
 /// Stick radii below this share of a are none: what the innermost thousandth holds is below a millionth of the field.
 const LEAST_STUCK: f32 = 1.0e-3;
+
+/// Lean of a normal below which the patch counts as upright: less than the rounding of its coordinates.
+const LEAST_LEAN: f32 = 1.0e-7;
 
 impl Field {
     /// Prepares the field of `patch`; `None` where the patch has no extent.
@@ -153,6 +158,7 @@ impl Frame {
             first,
             second: patch.normal.cross(first),
             normal: patch.normal,
+            upright: patch.normal.x.abs().max(patch.normal.y.abs()) < LEAST_LEAN && patch.normal.z > 0.0,
             radius,
             inverse_radius: 1.0 / radius,
             half_curvature: 0.5 / patch.object_radius,
@@ -200,7 +206,7 @@ impl Drag {
         let bowl = 1.5 * full / hold.drag_stiffness / (2.0 - nu) * (1.0 - flat);
         let disc = pull / hold.drag_stiffness / (2.0 - nu) * flat;
         let inner = bowl * stuck * stuck * sticks;
-        let far = |bowl_far: &[f32; 4], disc_far: &[f32; 4]| {
+        let far = |bowl_far: &[f32; 3], disc_far: &[f32; 3]| {
             sum(&[(bowl, bowl_far), (-inner, &shrunk(bowl_far, stuck)), (disc, disc_far)])
         };
         Self {
@@ -218,7 +224,7 @@ impl Drag {
 }
 
 impl Turn {
-    const NONE: Self = Self { row: Row::ZERO, slips: false, disc: 0.0, far: [0.0; 4] };
+    const NONE: Self = Self { row: Row::ZERO, slips: false, disc: 0.0, far: [0.0; 3] };
 
     /// The turn of the patch: what it was loaded to, and what each reversal since took back with doubled scale (Masing), where the tier
     /// remembers it.
@@ -266,14 +272,14 @@ impl Turn {
 }
 
 /// Coefficients of the series for s k in place of s.
-fn shrunk(series: &[f32; 4], k: f32) -> [f32; 4] {
+fn shrunk(series: &[f32; 3], k: f32) -> [f32; 3] {
     let k2 = k * k;
-    [series[0] * k, series[1] * (k * k2), series[2] * (k * k2 * k2), series[3] * (k * k2 * k2 * k2)]
+    [series[0] * k, series[1] * (k * k2), series[2] * (k * k2 * k2)]
 }
 
 /// Weighted sum of series.
-fn sum(parts: &[(f32, &[f32; 4])]) -> [f32; 4] {
-    let mut all = [0.0; 4];
+fn sum(parts: &[(f32, &[f32; 3])]) -> [f32; 3] {
+    let mut all = [0.0; 3];
     for (weight, series) in parts {
         for (all, one) in all.iter_mut().zip(*series) {
             *all += weight * one;

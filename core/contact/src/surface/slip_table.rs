@@ -4,7 +4,7 @@
 //! (theory.md, section 9). Bilinear between the places; below the first row as that row, above the last likewise; beyond the last
 //! column the rotation falls as (a/r)^3, the far field of any torque.
 
-use crate::math::clamp;
+use crate::math::{clamp, min};
 
 /// Places along either side of the table.
 const PLACES: usize = 25;
@@ -26,8 +26,14 @@ fn columns(z: f32) -> [f32; PLACES] {
 
 /// Between the places of a row: linear near the rim, and beyond `CUBE` linear in the field times q^3, which hardly changes there.
 fn along(row: &[f32; PLACES], q: f32) -> f32 {
-    let (column, across) = place(&RADIUS, clamp(q, 0.0, LAST));
+    let (column, _) = place(&RADIUS, clamp(q, 0.0, LAST));
+    between(row, column, min(q, LAST)) * if q <= LAST { 1.0 } else { (LAST / q) * (LAST / q) * (LAST / q) }
+}
+
+/// In the interval that starts at `column`.
+fn between(row: &[f32; PLACES], column: usize, q: f32) -> f32 {
     let (here, next) = (row[column], row[column + 1]);
+    let across = (q - RADIUS[column]) / (RADIUS[column + 1] - RADIUS[column]);
     if q <= CUBE {
         return here + (next - here) * across;
     }
@@ -68,21 +74,19 @@ impl Row {
     /// Adds the rotation of a patch that turned by `phi` up to z = `z`.
     pub fn add(&mut self, z: f32, phi: f32) {
         let row = columns(z);
-        let value = |t: f32, cubed: bool| {
-            let q = if t <= FINE { t / FINE_RATE } else { CUBE + (t - FINE) / COARSE_RATE };
-            phi * along(&row, q) * if cubed { q * q * q } else { 1.0 }
-        };
-        let mut start = value(0.0, false);
+        let (mut column, mut start) = (0, phi * row[0]);
         for (i, cell) in self.cells.iter_mut().enumerate() {
-            let t = i as f32;
-            let cubed = t >= FINE;
-            if t == FINE {
-                start = value(t, cubed);
+            let t = (i + 1) as f32;
+            let q = if t <= FINE { t / FINE_RATE } else { CUBE + (t - FINE) / COARSE_RATE };
+            // places of a row are closer than the table's, which they pass one by one
+            if column + 2 < PLACES && RADIUS[column + 1] < q {
+                column += 1;
             }
-            let end = value(t + 1.0, cubed);
-            cell[0] += start;
-            cell[1] += end - start;
-            start = end;
+            let found = phi * between(&row, column, q);
+            let cubed = q * q * q;
+            let end = if t > FINE { found * cubed } else { found };
+            *cell = [cell[0] + start, cell[1] + (end - start)];
+            start = if t == FINE { found * cubed } else { end };
         }
     }
 

@@ -101,15 +101,12 @@ mod tests {
             let off = (found.0 - expected.0).abs().max((found.1 - expected.1).abs());
             assert!(off < 0.01, "{object:?} {found:?}");
         }
-        assert_eq!(
-            estimate(
-                &ObjectShape::HalfSpace,
-                &Material { young_modulus: 1.0e6, poisson_ratio: 0.3, density: 1.0e3 },
-                0.0,
-                Vec3::Z,
-                Vec3::Z
-            ),
-            Compliance::default()
-        );
+        // the cube's side at mid height
+        let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let side = estimate(&cube, &material, 0.0, Vec3::new(0.05, 0.0, 0.05), Vec3::X);
+        let found = [side.normal * 1.0e5 / 0.43, side.drag * 1.0e5 / 0.538, side.twist * 1.0e3 / 1.585];
+        assert!(found.iter().zip([1.19, 0.60, 0.85]).all(|(x, expected)| (x - expected).abs() < 0.01), "{found:?}");
+        assert_eq!(estimate(&ObjectShape::HalfSpace, &material, 0.0, Vec3::Z, Vec3::Z), Compliance::default());
     }
 }

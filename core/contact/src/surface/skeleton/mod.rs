@@ -13,6 +13,8 @@
 //! Work at an update: patches x stations, then a table over the height, [`LEVELS`] intervals; after that a few operations per point,
 //! whatever the number of patches.
 
+#![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
+
 mod anchors;
 mod beam;
 mod estimate;
@@ -29,7 +31,7 @@ use super::section::Section;
 pub use anchors::{ANCHORS, STATIONS, Station};
 use beam::Beam;
 pub use estimate::estimate;
-use spline::Plate;
+use spline::{Plate, Span};
 
 /// Intervals of the height between which displacements are taken as linear: 1/64^2/8 of a bent beam's curvature is 1e-4 of its tip.
 const LEVELS: usize = 64;
@@ -42,8 +44,8 @@ pub struct Skeleton {
     rate: f32,
     /// One over the section's half widths \[1/m\].
     per_half: Vec2,
-    /// The plate's coefficients from the base to the top, one level more than intervals.
-    levels: [Plate; LEVELS + 1],
+    /// The plates from the base to the top.
+    spans: [Span; LEVELS],
 }
 
 impl Skeleton {
@@ -61,7 +63,7 @@ impl Skeleton {
             base,
             rate: LEVELS as f32 / height,
             per_half: Vec2::new(1.0 / section.half.x, 1.0 / section.half.y),
-            levels: spline::levels(&plates),
+            spans: spline::spans(&plates),
         })
     }
 
@@ -69,7 +71,7 @@ impl Skeleton {
     pub fn at(&self, p_w: Vec3) -> Vec3 {
         let (index, share) = self.level(p_w.z);
         let mut found = [0.0; 4];
-        self.one(p_w.x, p_w.y, index, share, &mut found);
+        self.span(index).at(share, p_w.x * self.per_half.x, p_w.y * self.per_half.y, &mut found);
         Vec3::new(found[0], found[1], found[2])
     }
 
@@ -81,7 +83,7 @@ impl Skeleton {
         }
         let mut found = [[0.0; 4]; BLOCK];
         for i in 0..BLOCK {
-            self.one(block.x[i], block.y[i], index[i], share[i], &mut found[i]);
+            self.span(index[i]).at(share[i], block.x[i] * self.per_half.x, block.y[i] * self.per_half.y, &mut found[i]);
         }
         for i in 0..BLOCK {
             block.ux[i] += found[i][0];
@@ -101,11 +103,10 @@ impl Skeleton {
         (rounded.to_bits(), t - (rounded - ROUNDER))
     }
 
+    /// The interval in the low bits of `index`.
     #[inline(always)]
-    fn one(&self, x: f32, y: f32, index: u32, share: f32, found: &mut [f32; 4]) {
-        let start = index as usize % LEVELS;
-        let (low, high) = (&self.levels[start], &self.levels[start + 1]);
-        Plate::between(low, high, share, x * self.per_half.x, y * self.per_half.y, found);
+    fn span(&self, index: u32) -> &Span {
+        &self.spans[index as usize % LEVELS]
     }
 }
 

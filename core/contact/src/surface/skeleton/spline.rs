@@ -1,5 +1,7 @@
 //! Interpolants of least bending energy between the anchors: thin plates across, natural cubic splines along.
 
+#![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
+
 use glam::Vec3;
 
 use super::LEVELS;
@@ -52,24 +54,6 @@ impl Plate {
         Self(plate)
     }
 
-    /// Displacement \[m\] at a place of the plate that is `share` of the way from `low` to `high`; the fourth number is nothing.
-    #[inline(always)]
-    pub fn between(low: &Self, high: &Self, share: f32, xi: f32, eta: f32, found: &mut [f32; 4]) {
-        let (xi2, eta2, both) = (xi * xi, eta * eta, xi * eta);
-        let (xi3, eta3) = (xi2 * xi, eta2 * eta);
-        let (across, along) = (both * eta, both * xi);
-        for i in 0..4 {
-            let at = |row: usize| {
-                let start = low.0[4 * row + i];
-                start + (high.0[4 * row + i] - start) * share
-            };
-            let flat = at(0) + (at(1) * xi + at(2) * eta);
-            let bent = at(3) * xi2 + (at(4) * eta2 + at(5) * both);
-            let wound = (at(6) * xi3 + at(7) * eta3) + (at(8) * across + at(9) * along);
-            found[i] = flat + (bent + wound);
-        }
-    }
-
     /// `scale` times `other` more.
     #[inline(always)]
     fn plus(&self, scale: f32, other: &Self) -> Self {
@@ -81,24 +65,56 @@ impl Plate {
     }
 }
 
-/// Plates at equal steps from the first station to the last: the natural cubic spline through every coefficient.
-pub(super) fn levels(stations: &[Plate; STATIONS]) -> [Plate; LEVELS + 1] {
-    let bending = second_differences(stations);
-    let mut levels = [Plate::ZERO; LEVELS + 1];
-    for (i, level) in levels.iter_mut().enumerate() {
-        let place = i as f32 * ((STATIONS - 1) as f32 / LEVELS as f32);
-        let start = (place as usize).min(STATIONS - 2);
-        let t = place - start as f32;
-        let s = 1.0 - t;
-        let pair = |all: &[Plate; STATIONS]| (all[start], all[start + 1]);
-        let ((low, high), (bent_low, bent_high)) = (pair(stations), pair(&bending));
-        *level = Plate::ZERO
-            .plus(s, &low)
-            .plus(t, &high)
-            .plus((s * s * s - s) / 6.0, &bent_low)
-            .plus((t * t * t - t) / 6.0, &bent_high);
+/// Plates over an interval of the height: the one at its start, and its growth to the end.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
+pub(super) struct Span {
+    start: [f32; WIDE],
+    growth: [f32; WIDE],
+}
+
+impl Span {
+    /// Displacement \[m\] at a place, `share` of the way through the interval; the fourth number is nothing.
+    #[inline(always)]
+    pub fn at(&self, share: f32, xi: f32, eta: f32, found: &mut [f32; 4]) {
+        let (xi2, eta2, both) = (xi * xi, eta * eta, xi * eta);
+        let weights = [xi, eta, xi2, eta2, both, xi2 * xi, eta2 * eta, both * eta, both * xi];
+        // one product after the other: sums of products in pairs do not become clean vector instructions
+        for i in 0..4 {
+            let at = |row: usize| self.start[4 * row + i] + self.growth[4 * row + i] * share;
+            let mut sum = at(0);
+            for (row, weight) in weights.iter().enumerate() {
+                sum += at(row + 1) * weight;
+            }
+            found[i] = sum;
+        }
     }
-    levels
+}
+
+/// Spans at equal steps from the first station to the last: the natural cubic spline through every coefficient.
+pub(super) fn spans(stations: &[Plate; STATIONS]) -> [Span; LEVELS] {
+    let bending = second_differences(stations);
+    let mut spans = [Span { start: [0.0; WIDE], growth: [0.0; WIDE] }; LEVELS];
+    let mut start = stations[0];
+    for (i, span) in spans.iter_mut().enumerate() {
+        let end = between(stations, &bending, (i + 1) as f32 * ((STATIONS - 1) as f32 / LEVELS as f32));
+        span.start = start.0;
+        span.growth = end.plus(-1.0, &start).0;
+        start = end;
+    }
+    spans
+}
+
+/// The spline at a place counted in stations.
+fn between(stations: &[Plate; STATIONS], bending: &[Plate; STATIONS], place: f32) -> Plate {
+    let start = (place as usize).min(STATIONS - 2);
+    let t = place - start as f32;
+    let s = 1.0 - t;
+    Plate::ZERO
+        .plus(s, &stations[start])
+        .plus(t, &stations[start + 1])
+        .plus((s * s * s - s) / 6.0, &bending[start])
+        .plus((t * t * t - t) / 6.0, &bending[start + 1])
 }
 
 /// Second derivatives M at the stations, one step apart: M_(i-1) + 4 M_i + M_(i+1) = 6 (u_(i-1) - 2 u_i + u_(i+1)). None at the free end; at the
@@ -136,18 +152,18 @@ mod tests {
     fn the_spline_is_that_of_a_cantilever_and_keeps_the_base_at_rest() {
         let tip = |t: f32| t * t * (1.5 - 0.5 * t);
         for (f, allowed) in [(&(|t: f32| 2.0 * t) as &dyn Fn(f32) -> f32, 1.0e-6), (&tip, 1.0e-6)] {
-            let levels = levels(&along(f));
-            assert_eq!(levels[0].0, [0.0; WIDE]);
-            for (i, level) in levels.iter().enumerate() {
-                let exact = f(i as f32 / LEVELS as f32);
-                assert!((level.0[5] - exact).abs() < allowed, "{i}: {} {exact}", level.0[5]);
+            let spans = spans(&along(f));
+            assert_eq!(spans[0].start, [0.0; WIDE]);
+            for (i, span) in spans.iter().enumerate() {
+                let (found, exact) = (span.start[5] + span.growth[5], f((i + 1) as f32 / LEVELS as f32));
+                assert!((found - exact).abs() < allowed, "{i}: {found} {exact}");
             }
         }
     }
 
     fn at(plate: &Plate, xi: f32, eta: f32) -> Vec3 {
         let mut found = [0.0; 4];
-        Plate::between(plate, plate, 0.0, xi, eta, &mut found);
+        Span { start: plate.0, growth: [0.0; WIDE] }.at(0.0, xi, eta, &mut found);
         Vec3::new(found[0], found[1], found[2])
     }
 
