@@ -111,14 +111,7 @@ fn unused(friction: &str, rest: &str) -> Vec<&'static str> {
         _ => vec!["tier/paper", "tier/point", "tier/bristle/slip", "tier/bristle/stiffness"],
     };
     // every scene here has handle and probe in one
-    files.extend([
-        "coupling/spring",
-        "coupling/integrate",
-        "coupling/stiffness",
-        "coupling/sym",
-        "coupling/inertia",
-        "coupling/passivity",
-    ]);
+    files.extend(["coupling/spring", "coupling/integrate", "coupling/stiffness", "coupling/sym", "coupling/inertia"]);
     if rest.contains("one region") {
         // coupling of regions, and the surface that nobody looks at
         files.extend(["stage/deform", "surface/"]);

@@ -3,15 +3,16 @@
 //! What does not depend on kept curves: torque turns with the direction of the twist, the torque of two legs is force x offset, ten
 //! regions are ten, nothing jumps, no region holds more than friction lets it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::PathBuf;
-use std::sync::{Mutex, OnceLock};
+use std::process::Command;
+use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 
 use haptor_contact::{
-    Input, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, PatchReport, Pose, ProbePart, ProbeShape, Quat, Scratch,
-    State, Tier, Vec3, Wrench, patch_report, step,
+    Flags, Input, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, PatchReport, Pose, ProbePart, ProbeShape, Quat,
+    Scratch, State, Tier, Vec3, Wrench, patch_report, step,
 };
 use haptor_wire::{self as wire, scene_file::decode_file};
 
@@ -31,17 +32,15 @@ fn tool() -> PathBuf {
 
 #[test]
 fn curves_are_the_kept_ones() {
-    let (tool, jobs) = (tool(), golden::all().collect::<Vec<_>>());
+    let jobs: Vec<_> = golden::all().collect();
     let wrong: Vec<String> = thread::scope(|scope| {
         let threads = jobs.iter().map(|&(scene, tier)| {
-            let tool = &tool;
             scope.spawn(move || {
                 let file = golden::file(root(), scene, tier);
                 let Ok(expected) = fs::read_to_string(&file) else {
                     return Some(format!("there is no {}; make it: {}", file.display(), golden::ACCEPT));
                 };
-                let found = golden::curve(tool, root(), scene, tier).unwrap_or_else(|said| panic!("{said}"));
-                golden::difference(scene, tier, &expected, &found)
+                golden::difference(scene, tier, &expected, &golden::thinned(&result(scene, tier, "")))
             })
         });
         let threads: Vec<_> = threads.collect();
@@ -85,27 +84,31 @@ fn trajectory(scene: &str, more: &[&str], change: impl Fn(&str) -> String) -> St
 /// One result: columns by name.
 type Table = HashMap<String, Vec<f64>>;
 
-/// The result of a scene over its own trajectory (empty `more`) or over another, in a tier. Each is computed once.
-fn table(scene: &str, tier: golden::Tier, poses: &str) -> Table {
-    static DONE: Mutex<Option<HashMap<String, Table>>> = Mutex::new(None);
-    let key = format!("{scene} {} {}", tier.name, poses.len());
-    if let Some(table) = DONE.lock().unwrap().get_or_insert_default().get(&key).filter(|_| poses.is_empty()) {
-        return table.clone();
-    }
+/// The result of a scene over its own trajectory (empty `poses`) or over another, in a tier. Each is computed once for all tests.
+fn result(scene: &str, tier: golden::Tier, poses: &str) -> Arc<String> {
+    static DONE: Mutex<BTreeMap<String, Arc<OnceLock<Arc<String>>>>> = Mutex::new(BTreeMap::new());
+    let key = format!("{scene} {} {poses}", tier.name);
+    let place = Arc::clone(DONE.lock().unwrap().entry(key).or_default());
+    Arc::clone(place.get_or_init(|| Arc::new(evaluated(scene, tier, poses))))
+}
+
+fn evaluated(scene: &str, tier: golden::Tier, poses: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let mut command = golden::eval(&tool(), root(), scene, tier);
     if !poses.is_empty() {
         let file = folder.path().join("poses.csv");
         fs::write(&file, poses).unwrap();
         let words: Vec<_> = command.get_args().map(ToOwned::to_owned).collect();
-        command = std::process::Command::new(tool());
+        command = Command::new(tool());
         command.current_dir(root()).args(&words[..2]).arg(&file).args(&words[3..]);
     }
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let table = columns(&String::from_utf8(output.stdout).unwrap());
-    DONE.lock().unwrap().get_or_insert_default().insert(key, table.clone());
-    table
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn table(scene: &str, tier: golden::Tier, poses: &str) -> Table {
+    columns(&result(scene, tier, poses))
 }
 
 /// The numbers of a result; tier and flags are left out.
@@ -193,7 +196,9 @@ fn small(tier: golden::Tier) -> f64 {
 #[test]
 fn neither_force_nor_torque_jumps() {
     for tier in golden::TIERS.iter().filter(|tier| tier.name != "paper") {
-        for scene in &golden::SCENES[1..] {
+        // ten regions of tier `influence` take a minute in a debug build; one and two show what ten would
+        let costs = |scene: &str| scene == "ten-regions" && tier.name == "influence";
+        for scene in golden::SCENES[1..].iter().filter(|scene| !costs(scene)) {
             let finer = trajectory(scene, &["--rate", "2000"], str::to_owned);
             let (whole, half) = (table(scene, *tier, ""), table(scene, *tier, &finer));
             for columns in [["fx", "fy", "fz"], ["tx", "ty", "tz"]] {
@@ -227,13 +232,15 @@ fn patches_over(scene: &str, tier: Tier, mut look: impl FnMut(f64, &[PatchReport
     let samples = if tier == Tier::Influence { 52 } else { 64 };
     let spec_params = ParamsSpec { tier, samples, region_distance: baked.region_distance, ..ParamsSpec::default() };
     let (model, params) = (Model::new(&spec).unwrap(), Params::new(&spec_params).unwrap());
-    let (mut state, mut scratch) = (Box::new(State::<16, 64>::new()), Scratch::<16>::new());
+    let (mut state, mut scratch) = (Box::new(State::<16, 128, 128>::new()), Scratch::<16>::new());
     let poses = fs::read_to_string(root().join(format!("tests/scenes/{scene}.csv"))).unwrap();
     for row in poses.lines().skip(1) {
         let row: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
         let [x, y, z, qw, qx, qy, qz] = std::array::from_fn(|k| row[k + 1] as f32);
         let pose = Pose::new(Vec3::new(x, y, z), Quat::from_xyzw(qx, qy, qz, qw));
         let output = step(&model, &params, &mut state, &mut scratch, Input { pose, dt: 1.0e-3 });
+        assert_eq!(output.report.tier, tier, "{scene}: the tier was lowered");
+        assert!(!output.report.flags.contains(Flags::TIER_LOWERED), "{scene} {tier:?}: too little room");
         let patches: Vec<_> = state.patches().iter().map(patch_report).collect();
         look(row[0], &patches, output.contact, pose.position);
     }
@@ -288,7 +295,7 @@ const OVER: f64 = 1.03;
 #[test]
 fn no_region_holds_more_than_friction_lets_it_and_sticking_ones_stand_beside_slipping_ones() {
     for tier in [Tier::Point, Tier::Bristle, Tier::Influence] {
-        for scene in golden::SCENES {
+        for scene in golden::SCENES.into_iter().filter(|&scene| scene != "ten-regions" || tier != Tier::Influence) {
             let (mut worst, mut mixed) = (0.0_f64, false);
             patches_over(scene, tier, |_, patches, _, _| {
                 worst = patches.iter().map(budget).fold(worst, f64::max);

@@ -53,17 +53,6 @@ pub fn eval(haptor: &Path, root: &Path, scene: &str, tier: Tier) -> Command {
     command
 }
 
-/// The result of a scene in a tier, thinned.
-///
-/// # Errors
-/// What the tool says when it does not end well.
-pub fn curve(haptor: &Path, root: &Path, scene: &str, tier: Tier) -> Result<String, String> {
-    let output = eval(haptor, root, scene, tier).output().map_err(|error| format!("{}: {error}", haptor.display()))?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    let table = String::from_utf8(output.stdout).map_err(|error| error.to_string())?;
-    if output.status.success() { Ok(thinned(&table)) } else { Err(format!("{scene}, tier {}: {said}", tier.name)) }
-}
-
 /// The header and every [`EVERY`]th row.
 pub fn thinned(table: &str) -> String {
     let (header, rows) = table.split_once('\n').unwrap_or((table, ""));

@@ -2,7 +2,7 @@
 
 use crate::image::Image;
 use crate::raster::{Colour, encoded};
-use crate::shot::{FORCE, SLIPPING, STUCK, Shot, TORQUE, moved_colour};
+use crate::shot::{FORCE, SLIPPING, STUCK, Shot, Surface, TORQUE, moved_colour};
 use crate::text;
 
 /// Height of a line of text, per height of the picture.
@@ -31,7 +31,7 @@ pub fn draw(image: &mut Image, shot: &Shot<'_>) {
         rows.push((encoded(STUCK), "sticks".to_owned()));
         rows.push((encoded(SLIPPING), "slips".to_owned()));
     }
-    let most = shot.surface.as_ref().map_or(0.0, |surface| surface.most());
+    let most = shot.surface.as_ref().map_or(0.0, Surface::most);
     let mut y = 1.4 * line;
     for (colour, words) in &rows {
         text::fill(image, (line * 0.6, y - 0.62 * line), (0.7 * line, 0.7 * line), *colour, 1.0);

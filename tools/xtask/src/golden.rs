@@ -2,6 +2,7 @@
 //! present ones are kept from now on; the difference to the former belongs into the message of the change.
 
 use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
 
@@ -17,7 +18,7 @@ pub fn run(accept: bool) -> Result<ExitCode> {
     let found: Vec<Result<String>> = thread::scope(|scope| {
         let one = |&(scene, tier): &(&'static str, Tier)| {
             let haptor = &haptor;
-            scope.spawn(move || scenes::curve(haptor, root(), scene, tier).map_err(|said| anyhow!(said)))
+            scope.spawn(move || curve(haptor, scene, tier))
         };
         let threads: Vec<_> = jobs.iter().map(one).collect();
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(anyhow!("a comparison panicked")))).collect()
@@ -46,10 +47,19 @@ fn compare(scene: &str, tier: Tier, found: &str, accept: bool) -> Result<bool> {
     keep(&file, found, accept)
 }
 
-fn keep(file: &std::path::Path, found: &str, accept: bool) -> Result<bool> {
+fn keep(file: &Path, found: &str, accept: bool) -> Result<bool> {
     if accept {
         let folder = file.parent().context("a curve lies in a folder")?;
         fs::create_dir_all(folder).and_then(|()| fs::write(file, found)).with_context(|| format!("{}", file.display()))?;
     }
     Ok(false)
+}
+
+/// The result of a scene in a tier, thinned.
+fn curve(haptor: &Path, scene: &str, tier: Tier) -> Result<String> {
+    let output = scenes::eval(haptor, root(), scene, tier).output().with_context(|| format!("{}", haptor.display()))?;
+    if !output.status.success() {
+        bail!("{scene}, tier {}: {}", tier.name, String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(scenes::thinned(&String::from_utf8(output.stdout)?))
 }
