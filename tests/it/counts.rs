@@ -13,9 +13,9 @@ use std::sync::OnceLock;
 use crate::cli::root;
 
 #[path = "../support/counts.rs"]
-mod counts;
+mod counting;
 
-use counts::Counted;
+use counting::Counted;
 
 /// Command that writes the table.
 const COMMAND: &str = "cargo xtask counts";
@@ -28,9 +28,9 @@ fn program() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its path");
     let target = test.ancestors().nth(3).expect("tests lie in target/PROFILE/deps");
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
-    cargo.current_dir(root()).args(["build", "--quiet", "--release", "--package", counts::PROGRAM, "--target-dir"]).arg(target);
-    assert!(cargo.status().expect("cargo can be started").success(), "{} does not build", counts::PROGRAM);
-    target.join("release").join(counts::PROGRAM)
+    cargo.current_dir(root()).args(["build", "--quiet", "--release", "--package", counting::PROGRAM, "--target-dir"]).arg(target);
+    assert!(cargo.status().expect("cargo can be started").success(), "{} does not build", counting::PROGRAM);
+    target.join("release").join(counting::PROGRAM)
 }
 
 /// Every scene by its name, counted once for all tests.
@@ -38,7 +38,7 @@ fn counted() -> &'static HashMap<String, Counted> {
     static DONE: OnceLock<HashMap<String, Counted>> = OnceLock::new();
     DONE.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
-        let all = counts::count(&program(), folder.path()).unwrap_or_else(|said| panic!("{said}"));
+        let all = counting::count(&program(), folder.path()).unwrap_or_else(|said| panic!("{said}"));
         all.into_iter().map(|case| (case.name.clone(), case)).collect()
     })
 }
@@ -53,12 +53,12 @@ fn mean(name: &str) -> u64 {
 
 #[test]
 fn no_count_grew_beyond_the_table() {
-    let file = counts::table_file(Path::new(root()));
-    let table = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}; make it: {}", file.display(), COMMAND));
+    let file = counting::table_file(Path::new(root()));
+    let table = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}; make it: {COMMAND}", file.display()));
     let rows = rows(&table);
     let named: Vec<_> = rows.iter().map(|(name, ..)| name).collect();
     let missing: Vec<_> = counted().keys().filter(|name| !named.contains(name)).collect();
-    assert!(missing.is_empty(), "not in the table: {missing:?}; add them: {}", COMMAND);
+    assert!(missing.is_empty(), "not in the table: {missing:?}; add them: {COMMAND}");
     let mut grown = Vec::new();
     for (name, mean, worst) in &rows {
         let found = case(name);
@@ -72,7 +72,7 @@ fn no_count_grew_beyond_the_table() {
             }
         }
     }
-    assert!(grown.is_empty(), "{}\nif this is the price of something: {}", grown.join("\n"), COMMAND);
+    assert!(grown.is_empty(), "{}\nif this is the price of something: {COMMAND}", grown.join("\n"));
 }
 /// A row of the committed table: name, mean, worst.
 type Row = (String, u64, u64);
