@@ -17,6 +17,8 @@ mod eval_cli;
 mod extremes;
 #[cfg(feature = "fem")]
 mod fem;
+#[cfg(feature = "fem")]
+mod green_table;
 mod histories;
 mod host_rig;
 mod influence;
@@ -30,8 +32,8 @@ mod region_limit;
 mod scene_errors;
 mod scenes;
 mod session;
-mod state_room;
 mod stability;
+mod state_room;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

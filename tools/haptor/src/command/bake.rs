@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 
 use haptor_wire::FrameError;
 use haptor_wire::scene::{FILE_MAX, encode_file};
-use haptor_wire::sections::{GRID, SECTION_OVERHEAD, encode_section};
+use haptor_wire::sections::{GREEN, GRID, SECTION_OVERHEAD, encode_section};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
+use crate::table;
 
 /// Bakes a scene: everything the host needs in one file.
 ///
 /// The device is placed so that its origin puts the probe 5 mm above the middle of the object's top. Of the scene's [guard] limits
-/// and the device's own the lower ones hold; a limit that the scene leaves out is the device's.
+/// and the device's own the lower ones hold; a limit that the scene leaves out is the device's. For tier green the body's own table
+/// is computed, or taken from the cache folder, and goes into the file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor bake tests/scenes/cube-twist.toml -o cube-twist.model")]
 pub struct Args {
@@ -40,10 +42,16 @@ pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     let mut file = vec![0; FILE_MAX];
     let length = encode_file(&baked, &mut file).map_err(problem)?;
     file.truncate(length);
-    for skin in scene.skins() {
-        let (start, contents) = (file.len(), skin.contents());
+    let mut add = |kind, contents: &[u8]| {
+        let start = file.len();
         file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
-        encode_section(GRID, &contents, &mut file[start..]).map_err(problem)?;
+        encode_section(kind, contents, &mut file[start..]).map_err(problem)
+    };
+    if let Some(table) = table::of(scene, scene.params.tier, name)? {
+        add(GREEN, &table::contents(&table.spec()))?;
+    }
+    for skin in scene.skins() {
+        add(GRID, &skin.contents())?;
     }
     output::write_file(path, &file)
 }
