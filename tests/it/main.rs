@@ -17,6 +17,8 @@ mod eval_cli;
 mod extremes;
 #[cfg(feature = "fem")]
 mod fem;
+#[cfg(feature = "fem")]
+mod green_table;
 mod histories;
 mod host_rig;
 mod influence;

@@ -19,6 +19,7 @@ mod scene;
 mod session;
 mod simulation;
 mod surface;
+mod table;
 mod text;
 mod trajectory;
 

@@ -1,12 +1,14 @@
 //! The core over a trajectory: offline, deterministic, no device.
 
+use haptor_contact::green::Green;
 use haptor_contact::surface::Surface;
 use haptor_contact::{
-    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame, Scratch, State,
-    World, patch_report, step,
+    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, ModelSpec, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame, Scratch,
+    State, World, patch_report, step,
 };
 
 use crate::scene::Scene;
+use crate::table::Table;
 use crate::trajectory::Row;
 
 /// A scene whose ticks are run one by one.
@@ -23,8 +25,17 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// [`Invalid`] names the first value out of range.
     pub fn new(scene: &'a Scene, params: &ParamsSpec) -> Result<Self, Invalid> {
+        Self::with_table(scene, params, None)
+    }
+
+    /// The same with the body's own table, which tier `green` reads.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first value out of range.
+    pub fn with_table(scene: &'a Scene, params: &ParamsSpec, table: Option<&'a Table>) -> Result<Self, Invalid> {
+        let green = table.map(|table| Green::new(&table.spec())).transpose()?;
         Ok(Self {
-            model: Model::new(&scene.model_spec())?,
+            model: Model::new(&ModelSpec { green, ..scene.model_spec() })?,
             params: Params::new(params)?,
             state: Box::new(State::new()),
             scratch: Box::new(Scratch::new()),

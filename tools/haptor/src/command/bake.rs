@@ -2,16 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
+use haptor_wire::FrameError;
 use haptor_wire::scene::{FILE_MAX, encode_file};
+use haptor_wire::sections::{GREEN, SECTION_OVERHEAD, encode_section};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
+use crate::table;
 
 /// Bakes a scene: everything the host needs in one file.
 ///
 /// The device is placed so that its origin puts the probe 5 mm above the middle of the object's top. Of the scene's [guard] limits
-/// and the device's own the lower ones hold; a limit that the scene leaves out is the device's.
+/// and the device's own the lower ones hold; a limit that the scene leaves out is the device's. For tier green the body's own table
+/// is computed, or taken from the cache folder, and goes into the file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor bake tests/scenes/cube-twist.toml -o cube-twist.model")]
 pub struct Args {
@@ -34,7 +38,14 @@ pub fn run(args: &Args) -> Outcome {
 /// [`Failure::BadInput`] when the host cannot run the scene or the file cannot be written.
 pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     let baked = scene.bake().map_err(|what| Failure::bad_input(format!("{name}: {what}")))?;
-    let mut file = [0; FILE_MAX];
-    let length = encode_file(&baked, &mut file).map_err(|error| Failure::problem(format!("{name}: {error}")))?;
-    output::write_file(path, &file[..length])
+    let problem = |error: FrameError| Failure::problem(format!("{name}: {error}"));
+    let mut file = vec![0; FILE_MAX];
+    let length = encode_file(&baked, &mut file).map_err(problem)?;
+    file.truncate(length);
+    if let Some(table) = table::of(scene, scene.params.tier, name)? {
+        let contents = table::contents(&table.spec());
+        file.resize(length + contents.len() + SECTION_OVERHEAD, 0);
+        encode_section(GREEN, &contents, &mut file[length..]).map_err(problem)?;
+    }
+    output::write_file(path, &file)
 }

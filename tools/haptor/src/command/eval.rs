@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use haptor_contact::{Invalid, Output as TickOutput, ParamsSpec, Tier};
+use haptor_contact::{Invalid, Output as TickOutput, Params, ParamsSpec, Tier};
 use haptor_wire::Deformation;
 
 use crate::failure::{Failure, Outcome};
@@ -12,6 +12,7 @@ use crate::progress;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::surface::{self, Request};
+use crate::table;
 use crate::trajectory::{self, Row};
 
 /// Columns of the result.
@@ -59,6 +60,8 @@ pub enum TierName {
     Bristle,
     /// Cells on the elastic surface, 52 or 112
     Influence,
+    /// The same, with the body's own table by finite elements
+    Green,
 }
 
 impl From<TierName> for Tier {
@@ -68,6 +71,7 @@ impl From<TierName> for Tier {
             TierName::Paper => Self::Paper,
             TierName::Bristle => Self::Bristle,
             TierName::Influence => Self::Influence,
+            TierName::Green => Self::Green,
         }
     }
 }
@@ -77,9 +81,11 @@ pub fn run(args: &Args) -> Outcome {
     let scene = Scene::load(&args.scene)?;
     let rows = trajectory::load(&args.trajectory)?;
     let params = params(&scene, args);
-    let mut simulation = Simulation::new(&scene, &params).map_err(|invalid| refused(args, &invalid))?;
+    Params::new(&params).map_err(|invalid| refused(args, &invalid))?;
     refuse_shared_files(args)?;
     refuse_rigid_scene(args, &scene)?;
+    let table = table::of(&scene, params.tier, &args.scene.display().to_string())?;
+    let mut simulation = Simulation::with_table(&scene, &params, table.as_ref()).map_err(|invalid| refused(args, &invalid))?;
     let body = scene.extras.deformation == Deformation::Full;
     let pictures: Result<Vec<_>, _> = args.surface.iter().map(|request| Picture::new(args, request, &rows, body)).collect();
     let mut pictures = pictures?;

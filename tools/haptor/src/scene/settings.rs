@@ -25,9 +25,12 @@ const STATIC: Key = key("static", "a number, friction.dynamic to 10", "0.75");
 const DYNAMIC: Key = key("dynamic", "a number, 0 to 10", "0.75");
 const REGION_DISTANCE: Key = key("region_distance", "a number, 0 to 1e2 m", "0.004");
 const MAX_REGIONS: Key = key("max_regions", "a whole number, 1 to 10", "10");
-const TIER: Key = key("tier", "point, paper, bristle or influence", "\"bristle\"");
-const SAMPLES: Key =
-    key("samples", "a whole number, 16 to 256 for tier bristle, 16 to 1024 for tier paper, 52 or 112 for tier influence", "64");
+const TIER: Key = key("tier", "point, paper, bristle, influence or green", "\"bristle\"");
+const SAMPLES: Key = key(
+    "samples",
+    "a whole number, 16 to 256 for tier bristle, 16 to 1024 for tier paper, 52 or 112 for tiers influence and green",
+    "64",
+);
 const SWEEPS: Key = key("sweeps", "a whole number, 1 to 32", "4");
 const DEFORMATION: Key = key("deformation", "none, local or full", "\"full\"");
 const COUPLING: Key = key("coupling", "direct or virtual", "\"direct\"");
@@ -46,19 +49,19 @@ const MAX_FORCE_RATE: Key = key("max_force_rate", "a number above 0, or inf for 
 const MAX_TORQUE_RATE: Key = key("max_torque_rate", "a number above 0, or inf for none, N m/s", "9.4");
 const RAMP_IN: Key = key("ramp_in", "a number, 0 to 60 s", "0.5");
 
-/// Words of tiers that this version computes, and of those it does not.
-const TIERS: [(&str, Option<Tier>); 5] = [
-    ("point", Some(Tier::Point)),
-    ("paper", Some(Tier::Paper)),
-    ("bristle", Some(Tier::Bristle)),
-    ("influence", Some(Tier::Influence)),
-    ("green", None),
+/// Words of tiers.
+const TIERS: [(&str, Tier); 5] = [
+    ("point", Tier::Point),
+    ("paper", Tier::Paper),
+    ("bristle", Tier::Bristle),
+    ("influence", Tier::Influence),
+    ("green", Tier::Green),
 ];
 
 /// Most sweeps: more than the tiers' tables were made with, and still bounded.
 const MAX_SWEEPS: usize = 32;
 
-/// Cells of a scene of tier `influence` that gives none.
+/// Cells of a scene of tier `influence` or `green` that gives none.
 const DEFAULT_CELLS: usize = 52;
 
 /// Sweeps of a scene that gives none.
@@ -94,8 +97,8 @@ pub fn model(root: &Section<'_, '_>, section: Option<&Section<'_, '_>>, params: 
         extras.coupling = coupling::coupling(root, false)?;
         return Ok(extras);
     };
-    set(&mut params.tier, tier(section)?);
-    if params.tier == Tier::Influence {
+    set(&mut params.tier, section.optional_word(TIER, &TIERS)?);
+    if matches!(params.tier, Tier::Influence | Tier::Green) {
         params.samples = DEFAULT_CELLS;
     }
     set(&mut params.samples, section.optional_count(SAMPLES)?);
@@ -144,16 +147,6 @@ pub fn guard(section: &Section<'_, '_>, params: &mut ParamsSpec, extras: &mut Ex
         set(&mut guard.ramp_in, ramp_in);
     }
     section.finish("[guard]")
-}
-
-fn tier(section: &Section<'_, '_>) -> Result<Option<Tier>, SceneError> {
-    match section.optional_word(TIER, &TIERS)? {
-        Some(None) => {
-            Err(section.error("tier", "not available in this version; available are point, paper, bristle and influence"))
-        }
-        Some(tier) => Ok(tier),
-        None => Ok(None),
-    }
 }
 
 fn sweeps(section: &Section<'_, '_>) -> Result<Option<u8>, SceneError> {

@@ -50,7 +50,7 @@ impl Default for GreenOptions {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GreenInputs {
     /// The body.
-    pub shape: ObjectShape,
+    pub shape: ObjectShape<'static>,
     /// Its material; the density plays no part.
     pub material: Material,
     /// Height at and below which it is held \[m\].
@@ -81,6 +81,7 @@ impl GreenInputs {
             ObjectShape::Sphere { radius } => (2, [radius; 3]),
             ObjectShape::Ellipsoid { semi_axes } => (3, semi_axes.to_array()),
             ObjectShape::Cylinder { radius, height } => (4, [radius, height, 0.0]),
+            ObjectShape::Mesh(mesh) => return Self { shape: mesh.stand_in(), ..*self }.key(),
         };
         let Material { young_modulus, poisson_ratio, .. } = self.material;
         let mut digest = Sha256::new();

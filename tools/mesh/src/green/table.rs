@@ -51,7 +51,7 @@ pub(super) fn compute(inputs: &GreenInputs, progress: &mut dyn FnMut(usize, usiz
 
 impl<'a> Run<'a> {
     fn new(
-        shape: &ObjectShape,
+        shape: &ObjectShape<'_>,
         material: &Material,
         fixed_below: f32,
         options: &GreenOptions,
