@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! BakedScene ──► Scene ──► Core { Model, Params, State, Scratch }          once, may fail with the parameter's name
-//! sections   ──► Table ───┘
+//! sections   ──► Table, Grids ───┘
 //! PoseReport ──► x_dh ──► x_wp = x_wd * x_dh ──► step ──► wrench in w ──► wrench in d ──► WrenchCommand      every tick
 //! ```
 //! Wire types may hold anything; what goes into the core has been checked here. A pose that is not finite, or whose quaternion is
@@ -22,6 +22,10 @@ use haptor_wire::units::{
 use haptor_wire::{BakedScene, DeviceHello, PoseReport, WrenchCommand};
 
 use crate::frames::{DeviceBase, Handle};
+
+mod grid;
+
+use grid::{Grid, MAX_GRIDS};
 
 /// Patches that the core keeps in memory: as many as a probe may have parts.
 const PATCHES: usize = contact::MAX_PARTS;
@@ -59,6 +63,19 @@ pub enum SceneError {
         /// What is wrong.
         what: &'static str,
     },
+    /// A shape names a mesh that the file does not carry.
+    #[error("{key}: the file carries {found} meshes, none of number {number}; bake the scene anew")]
+    NoMesh {
+        /// Whose shape.
+        key: &'static str,
+        /// What it names, from 0.
+        number: u8,
+        /// Meshes there are.
+        found: usize,
+    },
+    /// More meshes than bodies.
+    #[error("the file carries more than {MAX_GRIDS} meshes; bake the scene anew")]
+    TooManyMeshes,
     /// The scene wants the body's table, and there is none.
     #[error("model.tier = \"green\": the file carries no table of the body's own Green's function; bake the scene anew")]
     NoTable,
@@ -71,10 +88,38 @@ pub enum SceneError {
 #[derive(Clone, Debug)]
 pub struct Scene {
     baked: BakedScene,
-    parts: [contact::ProbePart<'static>; contact::MAX_PARTS],
     params: ParamsSpec,
     x_wd: Pose<World, DeviceBase>,
+    data: Data,
+}
+
+/// What a file carries behind its scene.
+#[derive(Clone, Debug, Default)]
+struct Data {
     table: Option<Table>,
+    grids: Vec<Grid>,
+}
+
+impl Data {
+    fn read(file: &[u8]) -> Result<Self, SceneError> {
+        let mut data = Self::default();
+        for section in wire::scene_file::sections(file)? {
+            let section = section?;
+            match section.kind {
+                sections::GREEN => data.table = Some(Table::new(section.contents)?),
+                sections::GRID if data.grids.len() == MAX_GRIDS => return Err(SceneError::TooManyMeshes),
+                sections::GRID => data.grids.push(Grid::new(section.contents)?),
+                _ => {}
+            }
+        }
+        Ok(data)
+    }
+
+    fn mesh(&self, key: &'static str, number: u8) -> Result<contact::MeshShape<'_>, SceneError> {
+        let found = self.grids.len();
+        let grid = self.grids.get(usize::from(number)).ok_or(SceneError::NoMesh { key, number, found })?;
+        Ok(grid.shape()?)
+    }
 }
 
 /// The body's own Green's function as a file carries it: made before the real-time thread starts, and locked in memory with the rest.
@@ -128,14 +173,7 @@ impl Scene {
     /// [`SceneError`] names the first thing that does not pass.
     pub fn read(file: &[u8]) -> Result<Self, SceneError> {
         let baked = wire::scene_file::decode_file(file)?;
-        let mut table = None;
-        for section in wire::scene_file::sections(file)? {
-            let section = section?;
-            if section.kind == sections::GREEN {
-                table = Some(Table::new(section.contents)?);
-            }
-        }
-        Self::with_table(&baked, table)
+        Self::with_data(&baked, Data::read(file)?)
     }
 
     /// Checks a baked scene that carries no data by making the core's model and parameters from it.
@@ -143,21 +181,22 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] names the first key or value that does not pass.
     pub fn new(baked: &BakedScene) -> Result<Self, SceneError> {
-        Self::with_table(baked, None)
+        Self::with_data(baked, Data::default())
     }
 
-    fn with_table(baked: &BakedScene, table: Option<Table>) -> Result<Self, SceneError> {
-        let mut parts = [contact::ProbePart::at_origin(contact::ProbeShape::Sphere { radius: 0.0 }); contact::MAX_PARTS];
-        for (part, from) in parts.iter_mut().zip(baked.probe.as_slice()) {
-            *part = probe_part(from);
-        }
+    fn with_data(baked: &BakedScene, data: Data) -> Result<Self, SceneError> {
         let x_wd = Pose::new(Vec3::from_array(baked.place.p_wd), quaternion(baked.place.q_wd).ok_or_else(place_rotation)?);
-        if baked.tier == wire::Tier::Green && table.is_none() {
+        if baked.tier == wire::Tier::Green && data.table.is_none() {
             return Err(SceneError::NoTable);
         }
-        let scene = Self { baked: *baked, parts, params: params_spec(baked)?, x_wd, table };
-        scene.core()?;
+        let scene = Self { baked: *baked, params: params_spec(baked)?, x_wd, data };
+        Model::new(&scene.model_spec(&scene.parts()?)?)?;
         Ok(scene)
+    }
+
+    /// The probe's parts, borrowing the meshes.
+    fn parts(&self) -> Result<Vec<contact::ProbePart<'_>>, SceneError> {
+        self.baked.probe.as_slice().iter().map(|part| probe_part(part, &self.data)).collect()
     }
 
     /// The core at rest, with all its memory.
@@ -165,8 +204,10 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Value`], which [`Self::new`] has ruled out.
     pub fn core(&self) -> Result<Core<'_>, SceneError> {
+        // two kilobytes that the core borrows beside what the scene holds: a program makes one core
+        let parts = Box::leak(self.parts()?.into_boxed_slice());
         Ok(Core {
-            model: Model::new(&self.model_spec()?)?,
+            model: Model::new(&self.model_spec(parts)?)?,
             asked: (self.baked.guard, self.baked.coupling),
             spec: self.params,
             params: Params::new(&self.params)?,
@@ -176,7 +217,7 @@ impl Scene {
         })
     }
 
-    fn model_spec(&self) -> Result<ModelSpec<'_>, Invalid> {
+    fn model_spec<'a>(&'a self, parts: &'a [contact::ProbePart<'a>]) -> Result<ModelSpec<'a>, SceneError> {
         let baked = &self.baked;
         let material =
             contact::Material { young_modulus: baked.young_modulus, poisson_ratio: baked.poisson_ratio, density: baked.density };
@@ -184,10 +225,13 @@ impl Scene {
         Ok(ModelSpec {
             fixed_below: Some(baked.fixed_below),
             compliance,
-            green: self.table.as_ref().map(Table::green).transpose()?,
+            green: self.data.table.as_ref().map(Table::green).transpose()?,
             mass: baked.mass,
+            inertia: baked
+                .inertia
+                .map(|i| contact::Inertia { moments: Vec3::from_array(i.moments), products: Vec3::from_array(i.products) }),
             paper_length: baked.paper_length,
-            ..ModelSpec::new(object_shape(&baked.object), material, &self.parts[..baked.probe.as_slice().len()])
+            ..ModelSpec::new(object_shape(&baked.object, &self.data)?, material, parts)
         })
     }
 }
@@ -196,37 +240,39 @@ fn place_rotation() -> Invalid {
     Invalid { name: "place.q_wd (length)", value: f32::NAN, allowed: "a unit quaternion, within 1e-3" }
 }
 
-fn object_shape(shape: &wire::ObjectShape) -> contact::ObjectShape<'static> {
+fn object_shape<'a>(shape: &wire::ObjectShape, data: &'a Data) -> Result<contact::ObjectShape<'a>, SceneError> {
     use wire::ObjectShape as From;
-    match *shape {
+    Ok(match *shape {
         From::HalfSpace => contact::ObjectShape::HalfSpace,
         From::Box { size } => contact::ObjectShape::Box { size: Vec3::from_array(size) },
         From::Sphere { radius } => contact::ObjectShape::Sphere { radius },
         From::Ellipsoid { semi_axes } => contact::ObjectShape::Ellipsoid { semi_axes: Vec3::from_array(semi_axes) },
         From::Cylinder { radius, height } => contact::ObjectShape::Cylinder { radius, height },
-    }
+        From::Mesh { grid } => contact::ObjectShape::Mesh(data.mesh("object", grid)?),
+    })
 }
 
 /// As it is written; whether its rotation is one, the core's constructor checks.
-fn probe_part(part: &wire::ProbePart) -> contact::ProbePart<'static> {
+fn probe_part<'a>(part: &wire::ProbePart, data: &'a Data) -> Result<contact::ProbePart<'a>, SceneError> {
     let [w, x, y, z] = part.rotation;
-    contact::ProbePart {
-        shape: probe_shape(&part.shape),
+    Ok(contact::ProbePart {
+        shape: probe_shape(&part.shape, data)?,
         position: Vec3::from_array(part.position),
         rotation: Quat::from_xyzw(x, y, z, w),
-    }
+    })
 }
 
-fn probe_shape(shape: &wire::ProbeShape) -> contact::ProbeShape<'static> {
+fn probe_shape<'a>(shape: &wire::ProbeShape, data: &'a Data) -> Result<contact::ProbeShape<'a>, SceneError> {
     use wire::ProbeShape as From;
-    match *shape {
+    Ok(match *shape {
         From::Sphere { radius } => contact::ProbeShape::Sphere { radius },
         From::Box { size } => contact::ProbeShape::Box { size: Vec3::from_array(size) },
         From::Cylinder { radius, height } => contact::ProbeShape::Cylinder { radius, height },
         From::Cone { radius, height } => contact::ProbeShape::Cone { radius, height },
         From::Capsule { radius, height } => contact::ProbeShape::Capsule { radius, height },
         From::Ellipsoid { semi_axes } => contact::ProbeShape::Ellipsoid { semi_axes: Vec3::from_array(semi_axes) },
-    }
+        From::Mesh { grid } => contact::ProbeShape::Mesh(data.mesh("probe", grid)?),
+    })
 }
 
 fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
@@ -472,6 +518,7 @@ mod tests {
             compliance: None,
             probe: ProbeParts::from_slice(&[ball]).unwrap(),
             mass: 1.0,
+            inertia: None,
             friction_static: 0.75,
             friction_dynamic: 0.75,
             region_distance: 0.004,

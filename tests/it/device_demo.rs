@@ -28,6 +28,7 @@ fn ball_on_cube(tier: Tier) -> BakedScene {
         compliance: None,
         probe: ProbeParts::from_slice(&[ball]).unwrap(),
         mass: 1.0,
+        inertia: None,
         friction_static: 0.75,
         friction_dynamic: 0.75,
         region_distance: 0.004,

@@ -47,6 +47,7 @@ pub fn ball_on_cube() -> BakedScene {
         compliance: None,
         probe: ProbeParts::from_slice(&[ball]).expect("one part"),
         mass: 1.0,
+        inertia: None,
         friction_static: 0.75,
         friction_dynamic: 0.75,
         region_distance: 0.004,

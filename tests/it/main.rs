@@ -32,8 +32,8 @@ mod region_limit;
 mod scene_errors;
 mod scenes;
 mod session;
-mod state_room;
 mod stability;
+mod state_room;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

@@ -23,7 +23,7 @@
 //! | [`Progress`] | host → tool | some ten times a second | 46 |
 //! | [`FaultRecord`] | host → tool, recording | a fault latches | 17 |
 //! | [`Summary`] | host → tool, recording | the session ends | 160 |
-//! | [`BakedScene`] | tool → host | a file, before the start | 892 |
+//! | [`BakedScene`] | tool → host | a file, before the start | 917 |
 //! | [`RecordHeader`] | recording | its first frame | 29 |
 //! | [`TickRecord`] | recording | once a tick | 131 |
 //!
@@ -71,8 +71,8 @@ pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
 pub use recording::{Damage, DamageCause, RecordReader};
 pub use recording::{Record, RecordHeader, TickRecord};
 pub use scene::{
-    BakedScene, Breakaway, Compliance, Coupling, Deformation, ForceLaw, GuardLimits, ObjectShape, Passivity, Place, ProbePart,
-    ProbeParts, ProbeShape, Tier, VirtualCoupling,
+    BakedScene, Breakaway, Compliance, Coupling, Deformation, ForceLaw, GuardLimits, Inertia, ObjectShape, Passivity, Place,
+    ProbePart, ProbeParts, ProbeShape, Tier, VirtualCoupling,
 };
 pub use scene_file::SceneFileError;
 pub use schema::{PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version, check_tool_version};

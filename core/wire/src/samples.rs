@@ -2,8 +2,9 @@
 
 use crate::{
     BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, ForceLaw,
-    GuardLimits, HostFault, HostHello, Mode, ObjectShape, Passivity, Place, PoseReport, ProbePart, ProbeParts, ProbeShape,
-    Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, VirtualCoupling, WrenchCommand,
+    GuardLimits, HostFault, HostHello, Inertia, Mode, ObjectShape, Passivity, Place, PoseReport, ProbePart, ProbeParts,
+    ProbeShape, Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, VirtualCoupling,
+    WrenchCommand,
 };
 
 pub const DEVICE_HELLO: DeviceHello = DeviceHello {
@@ -89,6 +90,7 @@ pub const TICK: TickRecord = TickRecord {
     round_trip_ns: u32::MAX,
 };
 pub const COMPLIANCE: Compliance = Compliance { normal: 1e-5, drag: 2e-5, twist: 3e-2 };
+pub const INERTIA: Inertia = Inertia { moments: [1e-4, 2e-4, 2.5e-4], products: [0.0, 1e-5, -1e-5] };
 pub const PLACE: Place = Place { p_wd: [0.0, 0.0, 0.125], q_wd: [1.0, 0.0, 0.0, 0.0] };
 pub const PART: ProbePart = ProbePart {
     shape: ProbeShape::Ellipsoid { semi_axes: [0.01, 0.02, 0.03] },
@@ -127,6 +129,7 @@ pub fn scene() -> BakedScene {
         compliance: Some(COMPLIANCE),
         probe: ProbeParts::from_slice(&[PART; 16]).unwrap(),
         mass: 1.0,
+        inertia: Some(INERTIA),
         friction_static: 0.8,
         friction_dynamic: 0.75,
         region_distance: 0.004,

@@ -29,6 +29,8 @@ pub struct BakedScene {
     pub probe: ProbeParts,
     /// Mass of the probe \[kg\].
     pub mass: f32,
+    /// Inertia of the probe; `None` = the mass spread evenly over its parts.
+    pub inertia: Option<Inertia>,
     /// Static friction coefficient.
     pub friction_static: f32,
     /// Dynamic friction coefficient, at most the static one.
@@ -67,6 +69,7 @@ impl BakedScene {
         + 4 * F32
         + (1 + Compliance::MAX_ENCODED)
         + ProbeParts::MAX_ENCODED
+        + (1 + Inertia::MAX_ENCODED)
         + 4 * F32
         + 1
         + ENUM
@@ -108,6 +111,11 @@ pub enum ObjectShape {
         /// Height \[m\].
         height: f32,
     },
+    /// A body given by a mesh whose base lies at z = 0.
+    Mesh {
+        /// Its place among the file's sections of kind [`GRID`](crate::sections::GRID), from 0.
+        grid: u8,
+    },
 }
 
 impl ObjectShape {
@@ -129,6 +137,20 @@ pub struct Compliance {
 impl Compliance {
     /// Postcard bytes at most.
     pub const MAX_ENCODED: usize = 3 * F32;
+}
+
+/// Inertia tensor of the probe about its mass centre, in its frame `p` \[kg m^2\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inertia {
+    /// About x, y, z.
+    pub moments: [f32; 3],
+    /// xy, xz, yz, as they stand in the tensor.
+    pub products: [f32; 3],
+}
+
+impl Inertia {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = 6 * F32;
 }
 
 /// The probe as a bounded list of rigid parts about its mass centre.
@@ -220,6 +242,11 @@ pub enum ProbeShape {
     Ellipsoid {
         /// Semi-axes along x, y, z \[m\].
         semi_axes: [f32; 3],
+    },
+    /// A convex body given by a mesh.
+    Mesh {
+        /// Its place among the file's sections of kind [`GRID`](crate::sections::GRID), from 0.
+        grid: u8,
     },
 }
 

@@ -7,7 +7,7 @@
 //! | kind | what | bytes |
 //! |---|---|---|
 //! | 1 | the body's own Green's function | f32 each: chart's middle (3) and half extents (3), radius of the discs, nodes along an edge; own moves; table |
-//! | 2 | distance grids of mesh parts | kept free |
+//! | 2 | a mesh: distance grid and samples | f32 each: first node (3), spacing, nodes along x, y, z; least (3) and largest (3) coordinates, volume, reach; number of samples; a coefficient a node, x fastest; each sample's position (3), normal (3), area |
 //!
 //! A kind that a reader does not know is checked and passed over.
 
@@ -17,7 +17,7 @@ use crate::scene_file::SceneFileError;
 /// Kind of the table of the body's own Green's function.
 pub const GREEN: u32 = 1;
 
-/// Kind of the distance grids of mesh parts.
+/// Kind of the distance grid and samples of a mesh; shapes name them by their order in the file.
 pub const GRID: u32 = 2;
 
 /// Sections of a file at most: one table, and a grid for each part of probe and object.

@@ -179,6 +179,7 @@ fn scene_table() -> String {
         ObjectShape::Sphere { radius },
         ObjectShape::Ellipsoid { semi_axes },
         ObjectShape::Cylinder { radius, height },
+        ObjectShape::Mesh { grid: 1 },
     ];
     let shapes = [
         ProbeShape::Sphere { radius },
@@ -187,6 +188,7 @@ fn scene_table() -> String {
         ProbeShape::Cone { radius, height },
         ProbeShape::Capsule { radius, height },
         ProbeShape::Ellipsoid { semi_axes },
+        ProbeShape::Mesh { grid: 1 },
     ];
     let tiers = [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green];
     let deformations = [Deformation::None, Deformation::Local, Deformation::Full];
@@ -194,6 +196,7 @@ fn scene_table() -> String {
         structure(&scene()),
         cases("ObjectShape", &objects),
         structure(&COMPLIANCE),
+        structure(&INERTIA),
         structure(&scene().probe),
         structure(&PART),
         cases("ProbeShape", &shapes),

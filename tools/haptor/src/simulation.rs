@@ -3,9 +3,10 @@
 use haptor_contact::green::Green;
 use haptor_contact::surface::Surface;
 use haptor_contact::{
-    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, ModelSpec, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame, Scratch,
-    State, World, patch_report, step,
+    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, ModelSpec, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame,
+    Scratch, State, World, patch_report, step,
 };
+use haptor_mesh::Mesh;
 
 use crate::scene::Scene;
 use crate::table::Table;
@@ -17,6 +18,7 @@ pub struct Simulation<'a> {
     params: Params,
     state: Box<State<MAX_PARTS, MAX_BRISTLES, MAX_BRISTLES>>,
     scratch: Box<Scratch<MAX_PARTS>>,
+    skin: Option<&'a Mesh>,
 }
 
 impl<'a> Simulation<'a> {
@@ -39,6 +41,7 @@ impl<'a> Simulation<'a> {
             params: Params::new(params)?,
             state: Box::new(State::new()),
             scratch: Box::new(Scratch::new()),
+            skin: scene.object.skin.as_ref().map(|skin| &skin.mesh),
         })
     }
 
@@ -51,6 +54,11 @@ impl<'a> Simulation<'a> {
     /// The deformed surface after the last tick, whose pose was `row`; `body` as in [`Surface`].
     pub fn surface(&self, row: &Row, body: bool) -> Surface<'_> {
         Surface { model: &self.model, params: &self.params, patches: self.state.patches(), p_wp: self.probe(row).position, body }
+    }
+
+    /// The object's mesh, when it has one.
+    pub fn skin(&self) -> Option<&'a Mesh> {
+        self.skin
     }
 
     /// Pose `x_wp` of the probe after the last tick: where the coupling has brought it. Before one was accepted, the handle of `row`.

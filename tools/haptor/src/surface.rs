@@ -48,9 +48,9 @@ impl std::str::FromStr for Request {
     }
 }
 
-/// The undeformed surface of `object` in world, finer near the contacts `patches`.
-pub fn at_rest(object: &ObjectShape<'_>, patches: &[Patch]) -> Mesh {
-    let coarse = coarse(object);
+/// The undeformed surface of `object` in world, finer near the contacts `patches`; `skin` is a mesh object's own.
+pub fn at_rest(object: &ObjectShape<'_>, skin: Option<&Mesh>, patches: &[Patch]) -> Mesh {
+    let coarse = skin.map_or_else(|| coarse(object), Mesh::clone);
     let near: Vec<(DVec3, f64)> = patches.iter().map(|p| (wide(p.at_rest()), f64::from(p.footprint.radius))).collect();
     // 2.4 vertices per square of the longest edge on average; less is asked for until there are enough
     let mut longest = (coarse.area() / MIN_VERTICES as f64).sqrt() * 2.0;
@@ -145,8 +145,8 @@ fn divide([a, b, c]: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]
 }
 
 /// The surface at rest and how far each of its vertices has moved \[m\].
-pub fn deformed(surface: &Surface<'_>) -> (Mesh, Vec<Vec3>) {
-    let mesh = at_rest(&surface.model.object(), surface.patches);
+pub fn deformed(surface: &Surface<'_>, skin: Option<&Mesh>) -> (Mesh, Vec<Vec3>) {
+    let mesh = at_rest(&surface.model.object(), skin, surface.patches);
     let rest: Vec<Vec3> = mesh.vertices.iter().map(|&v| narrow(v)).collect();
     let mut moved = vec![Vec3::ZERO; rest.len()];
     surface.update(&rest, &mut moved);
@@ -157,8 +157,8 @@ pub fn deformed(surface: &Surface<'_>) -> (Mesh, Vec<Vec3>) {
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(surface: &Surface<'_>, out: &mut impl Write) -> io::Result<()> {
-    let (mesh, moved) = deformed(surface);
+pub fn write(surface: &Surface<'_>, skin: Option<&Mesh>, out: &mut impl Write) -> io::Result<()> {
+    let (mesh, moved) = deformed(surface, skin);
     let rest: Vec<Vec3> = mesh.vertices.iter().map(|&v| narrow(v)).collect();
     write!(
         out,
@@ -206,7 +206,7 @@ mod tests {
         for object in shapes {
             let mut patch = Patch::born(0, 0, 0, Vec3::Z * object.height(), Vec3::Z);
             patch.footprint.radius = 0.004;
-            let (free, pressed) = (at_rest(&object, &[]), at_rest(&object, &[patch]));
+            let (free, pressed) = (at_rest(&object, None, &[]), at_rest(&object, None, &[patch]));
             let near = |mesh: &Mesh| {
                 mesh.vertices.iter().filter(|v| (**v - DVec3::Z * f64::from(object.height())).length() < 0.004).count()
             };

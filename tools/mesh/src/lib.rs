@@ -17,6 +17,7 @@
 //! | [`check()`] | watertight, manifold, oriented, free of slivers |
 //! | [`properties()`] | volume, mass centre, inertia |
 //! | [`samples`] | points spread over the surface, in progressive order |
+//! | [`save`] | binary STL |
 //! | [`spline`] | coefficients with which cubic B-splines follow values on a grid |
 //! | [`tessellate`] | triangles for the primitives of a scene |
 #![forbid(unsafe_code)]
@@ -34,6 +35,7 @@ pub mod load;
 pub mod mesh;
 pub mod properties;
 pub mod samples;
+pub mod save;
 pub mod spline;
 pub mod tessellate;
 pub mod weld;
@@ -44,4 +46,5 @@ pub use glam::{DMat3, DVec3};
 pub use load::{LoadError, load_stl, read_stl};
 pub use mesh::Mesh;
 pub use properties::{Properties, properties};
+pub use save::write_stl;
 pub use weld::weld;

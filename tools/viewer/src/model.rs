@@ -10,8 +10,8 @@ const SIDES: u32 = 96;
 /// Edge of the patch that stands for a half space \[m\].
 pub const PATCH: f64 = 0.2;
 
-/// The object at rest, and its highest point \[m\].
-pub fn object(shape: &ObjectShape) -> Mesh {
+/// The object at rest; a mesh is one of `skins`.
+pub fn object(shape: &ObjectShape, skins: &[Mesh]) -> Mesh {
     let up = |mesh: Mesh, height: f64| mesh.mapped(|v| v + height * DVec3::Z);
     match *shape {
         ObjectShape::HalfSpace => up(tessellate::cuboid(DVec3::new(PATCH, PATCH, PATCH / 10.0)), -PATCH / 20.0),
@@ -21,11 +21,16 @@ pub fn object(shape: &ObjectShape) -> Mesh {
         ObjectShape::Cylinder { radius, height } => {
             up(tessellate::cylinder(radius.into(), height.into(), SIDES), f64::from(height) / 2.0)
         }
+        ObjectShape::Mesh { grid } => skin(skins, grid),
     }
 }
 
-/// A part of the probe, in the probe's frame.
-pub fn part(part: &ProbePart) -> Mesh {
+fn skin(skins: &[Mesh], number: u8) -> Mesh {
+    skins.get(usize::from(number)).cloned().unwrap_or_default()
+}
+
+/// A part of the probe, in the probe's frame; a mesh is one of `skins`.
+pub fn part(part: &ProbePart, skins: &[Mesh]) -> Mesh {
     let mesh = match part.shape {
         ProbeShape::Sphere { radius } => tessellate::ellipsoid(DVec3::splat(radius.into()), SIDES),
         ProbeShape::Box { size } => tessellate::cuboid(wide(size)),
@@ -33,6 +38,7 @@ pub fn part(part: &ProbePart) -> Mesh {
         ProbeShape::Cone { radius, height } => tessellate::cone(radius.into(), height.into(), SIDES),
         ProbeShape::Capsule { radius, height } => tessellate::capsule(radius.into(), height.into(), SIDES),
         ProbeShape::Ellipsoid { semi_axes } => tessellate::ellipsoid(wide(semi_axes), SIDES),
+        ProbeShape::Mesh { grid } => skin(skins, grid),
     };
     let [w, x, y, z] = part.rotation.map(f64::from);
     let rotation = DQuat::from_xyzw(x, y, z, w).normalize();

@@ -53,6 +53,8 @@ impl Surface {
 pub struct Shot<'a> {
     /// Object and probe.
     pub scene: &'a BakedScene,
+    /// Meshes of the scene, by the number that a shape calls them; one that is missing is not drawn.
+    pub skins: &'a [Mesh],
     /// Where the probe is.
     pub pose: Pose,
     /// Force on the probe in world \[N\]; its length is drawn as a share of `force_scale`.
@@ -96,7 +98,8 @@ const VISIBLE: f64 = 1.0e-3;
 
 /// Draws a shot.
 pub fn draw(shot: &Shot<'_>) -> Image {
-    let object = shot.surface.as_ref().map_or_else(|| model::object(&shot.scene.object), |surface| surface.mesh.clone());
+    let object =
+        shot.surface.as_ref().map_or_else(|| model::object(&shot.scene.object, shot.skins), |surface| surface.mesh.clone());
     let probe = placed_probe(shot);
     let (low, high) = bounds(probe.iter().chain([&object]));
     let radius = (high - low).length() / 2.0;
@@ -138,7 +141,7 @@ pub fn moved_colour(share: f64) -> Colour {
 fn placed_probe(shot: &Shot<'_>) -> Vec<Mesh> {
     let Pose { position, rotation } = shot.pose;
     let parts = shot.scene.probe.as_slice().iter();
-    parts.map(|part| model::part(part).mapped(|v| position + rotation * v)).collect()
+    parts.map(|part| model::part(part, shot.skins).mapped(|v| position + rotation * v)).collect()
 }
 
 fn bounds<'m>(meshes: impl Iterator<Item = &'m Mesh>) -> (DVec3, DVec3) {
@@ -242,6 +245,7 @@ mod tests {
             compliance: None,
             probe: ProbeParts::from_slice(&[ball]).unwrap(),
             mass: 1.0,
+            inertia: None,
             friction_static: 0.75,
             friction_dynamic: 0.75,
             region_distance: 0.004,
@@ -263,6 +267,7 @@ mod tests {
     fn shot(scene: &BakedScene) -> Shot<'_> {
         Shot {
             scene,
+            skins: &[],
             pose: Pose { position: DVec3::new(0.0, 0.0, 0.119), rotation: DQuat::IDENTITY },
             force: DVec3::new(0.0, 0.0, 20.0),
             torque: DVec3::new(0.0, 0.0, -0.02),

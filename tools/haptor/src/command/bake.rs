@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use haptor_wire::FrameError;
 use haptor_wire::scene::{FILE_MAX, encode_file};
-use haptor_wire::sections::{GREEN, SECTION_OVERHEAD, encode_section};
+use haptor_wire::sections::{GREEN, GRID, SECTION_OVERHEAD, encode_section};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -44,8 +44,14 @@ pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     file.truncate(length);
     if let Some(table) = table::of(scene, scene.params.tier, name)? {
         let contents = table::contents(&table.spec());
-        file.resize(length + contents.len() + SECTION_OVERHEAD, 0);
-        encode_section(GREEN, &contents, &mut file[length..]).map_err(problem)?;
+        let start = file.len();
+        file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
+        encode_section(GREEN, &contents, &mut file[start..]).map_err(problem)?;
+    }
+    for skin in scene.skins() {
+        let (start, contents) = (file.len(), skin.contents());
+        file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
+        encode_section(GRID, &contents, &mut file[start..]).map_err(problem)?;
     }
     output::write_file(path, &file)
 }

@@ -176,7 +176,7 @@ fn write_all(
         let tick = simulation.tick(row);
         read = read && still_read(write_row(table, row, &tick, guarded))?;
         for picture in pictures.iter_mut().filter(|picture| picture.row == index) {
-            surface::write(&simulation.surface(row, picture.body), &mut picture.output)?;
+            surface::write(&simulation.surface(row, picture.body), simulation.skin(), &mut picture.output)?;
         }
         if index % PROGRESS_EVERY == 0 {
             bar.set_position(index as u64);

@@ -1,13 +1,13 @@
-//! `haptor mesh`: what a mesh file holds and whether it is the skin of a solid.
+//! `haptor mesh`: what a mesh file holds, whether it is the skin of a solid, and meshes of simple solids.
 
 use std::path::PathBuf;
 
-use haptor_mesh::{Findings, Mesh, Properties, check, load_stl, properties, weld};
+use haptor_mesh::{DVec3, Findings, Mesh, Properties, check, load_stl, properties, tessellate, weld, write_stl};
 
 use crate::failure::{Failure, Outcome};
-use crate::output::say;
+use crate::output::{self, say, unwritten};
 
-/// Looks into mesh files (STL).
+/// Looks into mesh files (STL) and makes them.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor mesh check part.stl --scale 0.001")]
 pub struct Args {
@@ -23,6 +23,72 @@ enum Action {
     /// Tells whether the mesh is the skin of a solid: exit 0 when it is, 1 with what is wrong when not, 2 when unreadable
     #[command(after_help = "Example: haptor mesh check part.stl --scale 0.001")]
     Check(File),
+    /// Writes a simple solid as a mesh, in metres, about its mass centre: to try meshes with, and to compare them with the shape
+    #[command(after_help = "Example: haptor mesh make ellipsoid 0.05,0.05,0.03 -o stone.stl")]
+    Make(Make),
+}
+
+#[derive(Debug, clap::Args)]
+struct Make {
+    /// Which solid
+    shape: Solid,
+    /// Its sizes [m]: sphere R; box X,Y,Z; ellipsoid semi-axes A,B,C; cylinder, cone and capsule R,H
+    #[arg(value_delimiter = ',', required = true)]
+    sizes: Vec<f64>,
+    /// Corners around a round solid, 8 to 1024
+    #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=1024))]
+    sides: u32,
+    /// Mesh file (binary STL)
+    #[arg(short, value_name = "FILE.stl")]
+    output: PathBuf,
+}
+
+/// A solid on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Solid {
+    /// Radius
+    Sphere,
+    /// Edges
+    Box,
+    /// Semi-axes
+    Ellipsoid,
+    /// Radius, height
+    Cylinder,
+    /// Radius, height; tip down
+    Cone,
+    /// Radius, height of the straight part
+    Capsule,
+}
+
+/// Sizes a solid may have \[m\]: those of a scene.
+const SIZES: std::ops::RangeInclusive<f64> = 1.0e-6..=1.0e2;
+
+impl Make {
+    fn mesh(&self) -> Result<Mesh, Failure> {
+        if let Some(size) = self.sizes.iter().find(|size| !SIZES.contains(size)) {
+            return Err(Failure::bad_input(format!("size {size}: allowed is 1e-6 to 1e2 m")));
+        }
+        let sides = self.sides;
+        Ok(match (self.shape, self.sizes.as_slice()) {
+            (Solid::Sphere, &[r]) => tessellate::ellipsoid(DVec3::splat(r), sides),
+            (Solid::Box, &[x, y, z]) => tessellate::cuboid(DVec3::new(x, y, z)),
+            (Solid::Ellipsoid, &[a, b, c]) => tessellate::ellipsoid(DVec3::new(a, b, c), sides),
+            (Solid::Cylinder, &[r, h]) => tessellate::cylinder(r, h, sides),
+            (Solid::Cone, &[r, h]) => tessellate::cone(r, h, sides),
+            (Solid::Capsule, &[r, h]) => tessellate::capsule(r, h, sides),
+            (solid, sizes) => {
+                let count = match solid {
+                    Solid::Sphere => "one, its radius",
+                    Solid::Box => "three, its edges",
+                    Solid::Ellipsoid => "three, its semi-axes",
+                    Solid::Cylinder | Solid::Cone | Solid::Capsule => "two, its radius and height",
+                };
+                return Err(Failure::bad_input(
+                    format!("{} sizes: a {solid:?} takes {count}, parted by commas", sizes.len()).to_lowercase(),
+                ));
+            }
+        })
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -66,6 +132,11 @@ pub fn run(args: &Args) -> Outcome {
                 return Ok(());
             }
             Err(Failure::problem(format!("{}: {}", file.file.display(), problems.join("; "))))
+        }
+        Action::Make(make) => {
+            let mut file = Vec::new();
+            write_stl(&make.mesh()?, &mut file).map_err(|error| unwritten(&error))?;
+            output::write_file(&make.output, &file)
         }
     }
 }

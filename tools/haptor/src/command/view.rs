@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use haptor_viewer::{DQuat, DVec3, MAX_SIDE, MIN_SIDE, Pose, Region, Shot, Surface, draw};
+use haptor_viewer::{DQuat, DVec3, MAX_SIDE, MIN_SIDE, Mesh, Pose, Region, Shot, Surface, draw};
 use haptor_wire::{BakedScene, Deformation};
 
 use crate::failure::{Failure, Outcome};
@@ -58,7 +58,8 @@ pub fn run(args: &Args) -> Outcome {
         Some(path) => moment(&scene, path, args.at)?,
         None => Moment::at_rest(&baked),
     };
-    let image = draw(&moment.shot(&baked, args.size));
+    let skins: Vec<Mesh> = scene.skins().map(|skin| skin.mesh.clone()).collect();
+    let image = draw(&moment.shot(&baked, &skins, args.size));
     let png = image.png().map_err(|error| Failure::problem(format!("the picture cannot be encoded: {error}")))?;
     output::write_file(shot, &png)
 }
@@ -84,9 +85,10 @@ impl Moment {
         Self { position: DVec3::from_array(baked.place.p_wd.map(f64::from)), ..Self::default() }
     }
 
-    fn shot<'a>(&self, scene: &'a BakedScene, size: (u32, u32)) -> Shot<'a> {
+    fn shot<'a>(&self, scene: &'a BakedScene, skins: &'a [Mesh], size: (u32, u32)) -> Shot<'a> {
         Shot {
             scene,
+            skins,
             pose: Pose { position: self.position, rotation: self.rotation },
             force: self.force,
             torque: self.torque,
@@ -134,7 +136,7 @@ impl Moment {
 }
 
 fn deformed(simulation: &Simulation<'_>, row: &Row, body: bool) -> Surface {
-    let (mut mesh, displacement) = surface::deformed(&simulation.surface(row, body));
+    let (mut mesh, displacement) = surface::deformed(&simulation.surface(row, body), simulation.skin());
     let moved = displacement.iter().map(|&u| wide(u)).collect::<Vec<_>>();
     mesh.vertices.iter_mut().zip(&moved).for_each(|(vertex, moved)| *vertex += *moved);
     Surface { mesh, moved: moved.iter().map(|u| u.length()).collect() }

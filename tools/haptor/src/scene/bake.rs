@@ -1,11 +1,12 @@
 //! From the scene file to the baked scene that the host reads.
 
 use haptor_contact::geometry::support::support;
-use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, Tier, Vec3};
+use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, SurfaceSample, Tier, Vec3};
+use haptor_mesh::Baked;
 use haptor_wire as wire;
 use haptor_wire::{BakedScene, Place, ProbeParts};
 
-use super::Scene;
+use super::{Scene, Skin};
 
 /// Gap between probe and object where a session starts \[m\]: clear of contact, a short way to go.
 const HOVER: f32 = 0.005;
@@ -18,14 +19,15 @@ impl Scene {
     pub fn bake(&self) -> Result<BakedScene, String> {
         let (spec, params, material) = (self.model_spec(), &self.params, &self.object.material);
         Ok(BakedScene {
-            object: object_shape(self.object.shape)?,
+            object: object_shape(self.object.shape),
             fixed_below: self.object.fixed_below.unwrap_or(self.object.shape.default_fixed_below()),
             young_modulus: material.young_modulus,
             poisson_ratio: material.poisson_ratio,
             density: material.density,
             compliance: self.object.compliance.map(|c| wire::Compliance { normal: c.normal, drag: c.drag, twist: c.twist }),
-            probe: parts(&self.probe.parts)?,
+            probe: parts(&self.probe.parts, self.object.skin.iter().count())?,
             mass: self.probe.mass,
+            inertia: self.probe.inertia.map(|i| wire::Inertia { moments: i.moments.to_array(), products: i.products.to_array() }),
             friction_static: params.friction_static.unwrap_or(params.friction_dynamic),
             friction_dynamic: params.friction_dynamic,
             region_distance: params.region_distance,
@@ -76,41 +78,62 @@ fn lowest(part: &ProbePart<'_>) -> f32 {
     part.position.z - reach
 }
 
-/// Why a mesh is not sent.
-const NO_MESHES: &str = "shape mesh: the host does not take meshes";
-
-fn object_shape(shape: ObjectShape<'_>) -> Result<wire::ObjectShape, String> {
-    Ok(match shape {
+fn object_shape(shape: ObjectShape<'_>) -> wire::ObjectShape {
+    match shape {
         ObjectShape::HalfSpace => wire::ObjectShape::HalfSpace,
         ObjectShape::Box { size } => wire::ObjectShape::Box { size: size.to_array() },
         ObjectShape::Sphere { radius } => wire::ObjectShape::Sphere { radius },
         ObjectShape::Ellipsoid { semi_axes } => wire::ObjectShape::Ellipsoid { semi_axes: semi_axes.to_array() },
         ObjectShape::Cylinder { radius, height } => wire::ObjectShape::Cylinder { radius, height },
-        ObjectShape::Mesh(_) => return Err(NO_MESHES.to_owned()),
-    })
+        // the first of the scene's skins
+        ObjectShape::Mesh(_) => wire::ObjectShape::Mesh { grid: 0 },
+    }
 }
 
-fn parts(parts: &[ProbePart<'_>]) -> Result<ProbeParts, String> {
-    let converted = parts.iter().map(part).collect::<Result<Vec<_>, _>>()?;
+/// The parts; the first that is a mesh has the skin number `first`.
+fn parts(parts: &[ProbePart<'_>], first: usize) -> Result<ProbeParts, String> {
+    let mut skins = first..;
+    let converted: Vec<_> = parts.iter().map(|from| part(from, &mut skins)).collect();
     ProbeParts::from_slice(&converted)
         .ok_or_else(|| format!("probe.part: {} parts, the host takes {}", parts.len(), wire::scene::MAX_PARTS))
 }
 
-fn part(part: &ProbePart<'_>) -> Result<wire::ProbePart, String> {
+fn part(part: &ProbePart<'_>, skins: &mut impl Iterator<Item = usize>) -> wire::ProbePart {
     let q = part.rotation;
-    Ok(wire::ProbePart { shape: probe_shape(part.shape)?, position: part.position.to_array(), rotation: [q.w, q.x, q.y, q.z] })
+    wire::ProbePart { shape: probe_shape(part.shape, skins), position: part.position.to_array(), rotation: [q.w, q.x, q.y, q.z] }
 }
 
-fn probe_shape(shape: ProbeShape<'_>) -> Result<wire::ProbeShape, String> {
-    Ok(match shape {
+fn probe_shape(shape: ProbeShape<'_>, skins: &mut impl Iterator<Item = usize>) -> wire::ProbeShape {
+    match shape {
         ProbeShape::Sphere { radius } => wire::ProbeShape::Sphere { radius },
         ProbeShape::Box { size } => wire::ProbeShape::Box { size: size.to_array() },
         ProbeShape::Cylinder { radius, height } => wire::ProbeShape::Cylinder { radius, height },
         ProbeShape::Cone { radius, height } => wire::ProbeShape::Cone { radius, height },
         ProbeShape::Capsule { radius, height } => wire::ProbeShape::Capsule { radius, height },
         ProbeShape::Ellipsoid { semi_axes } => wire::ProbeShape::Ellipsoid { semi_axes: semi_axes.to_array() },
-        ProbeShape::Mesh(_) => return Err(NO_MESHES.to_owned()),
-    })
+        // at most an object's and 16 parts'
+        ProbeShape::Mesh(_) => wire::ProbeShape::Mesh { grid: skins.next().unwrap_or_default() as u8 },
+    }
+}
+
+impl Skin {
+    /// Contents of the section of kind [`GRID`](wire::sections::GRID) that carries the skin.
+    pub fn contents(&self) -> Vec<u8> {
+        let Baked { origin, spacing, counts, coefficients, samples, low, high, volume, reach, .. } = self.baked;
+        // counts of 128 and 2048 at most: exact
+        let counts = counts.map(|count| count as f32);
+        let head = [
+            &origin.to_array()[..],
+            &[*spacing],
+            &counts,
+            &low.to_array(),
+            &high.to_array(),
+            &[*volume, *reach, samples.len() as f32],
+        ];
+        let sample = |s: &SurfaceSample| [s.position.to_array(), s.normal.to_array()].concat().into_iter().chain([s.area]);
+        let numbers = head.concat().into_iter().chain(coefficients.iter().copied()).chain(samples.iter().flat_map(sample));
+        numbers.flat_map(f32::to_le_bytes).collect()
+    }
 }
 
 fn tier(tier: Tier) -> wire::Tier {

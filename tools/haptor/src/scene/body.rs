@@ -1,14 +1,17 @@
 //! `[object]` and `[probe]`: shapes, material, mass. A key that does not belong to the shape is an error.
 
-use haptor_contact::{Compliance, MAX_PARTS, Material, ObjectShape, ProbePart, ProbeShape, Quat, Vec3};
+use haptor_contact::{Compliance, Inertia, MAX_PARTS, Material, ObjectShape, ProbePart, ProbeShape, Quat, Vec3};
 
 use super::document::{Key, SceneError, Section, key};
+use super::skin::{self, Skin};
 
 /// The elastic body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// Its shape.
     pub shape: ObjectShape<'static>,
+    /// Its skin, when it is a mesh.
+    pub skin: Option<Skin>,
     /// Its material.
     pub material: Material,
     /// Surface points at or below this are held \[m\]; `None` takes the shape's default.
@@ -22,6 +25,10 @@ pub struct Object {
 pub struct Probe {
     /// Its parts, 1 to [`MAX_PARTS`].
     pub parts: Vec<ProbePart<'static>>,
+    /// The skin of each part, for those that are meshes.
+    pub skins: Vec<Option<Skin>>,
+    /// Inertia of a probe that is one mesh \[kg m^2\].
+    pub inertia: Option<Inertia>,
     /// True when the file lists the parts itself, so that messages name the part.
     pub compound: bool,
     /// Mass \[kg\].
@@ -45,9 +52,9 @@ const PART: Key = key("part", "a list of 1 to 16 parts, each [[probe.part]]", "[
 const POSITION: Key = key("position", "three coordinates within 1e3 m", "[0.0, 0.0, 0.0]");
 const ROTATION: Key = key("rotation", "a unit quaternion [qw, qx, qy, qz], within 1e-3", "[1.0, 0.0, 0.0, 0.0]");
 
-const OBJECT_SHAPE: Key = key("shape", "box, ellipsoid, sphere, cylinder or half_space", "\"box\"");
-const PROBE_SHAPE: Key = key("shape", "sphere, box, ellipsoid, capsule, cylinder, cone or compound", "\"sphere\"");
-const PART_SHAPE: Key = key("shape", "sphere, box, ellipsoid, capsule, cylinder or cone", "\"sphere\"");
+const OBJECT_SHAPE: Key = key("shape", "box, ellipsoid, sphere, cylinder, half_space or mesh", "\"box\"");
+const PROBE_SHAPE: Key = key("shape", "sphere, box, ellipsoid, capsule, cylinder, cone, compound or mesh", "\"sphere\"");
+const PART_SHAPE: Key = key("shape", "sphere, box, ellipsoid, capsule, cylinder, cone or mesh", "\"sphere\"");
 
 /// Density of a body that gives none \[kg/m^3\]: water. The statics of this version do not use it.
 const DEFAULT_DENSITY: f32 = 1000.0;
@@ -100,10 +107,15 @@ const PROBE_KINDS: [(&str, ProbeKind); 8] = [
 /// Reads `[object]`.
 pub fn object(section: &Section<'_, '_>) -> Result<Object, SceneError> {
     let kind = section.word(OBJECT_SHAPE, &OBJECT_KINDS)?;
-    let shape = object_shape(section, kind)?;
+    let skin = if matches!(kind, ObjectKind::Mesh) { Some(skin::object(section)?) } else { None };
+    let shape = match &skin {
+        Some(skin) => ObjectShape::Mesh(skin.shape),
+        None => object_shape(section, kind)?,
+    };
     let half_space = shape == ObjectShape::HalfSpace;
     let object = Object {
         shape,
+        skin,
         fixed_below: if half_space { None } else { section.optional_number(FIXED_BELOW)? },
         material: Material {
             young_modulus: section.number(YOUNG_MODULUS)?,
@@ -118,12 +130,12 @@ pub fn object(section: &Section<'_, '_>) -> Result<Object, SceneError> {
 
 fn object_shape(section: &Section<'_, '_>, kind: ObjectKind) -> Result<ObjectShape<'static>, SceneError> {
     Ok(match kind {
-        ObjectKind::HalfSpace => ObjectShape::HalfSpace,
+        // a mesh has been read by whoever asks
+        ObjectKind::HalfSpace | ObjectKind::Mesh => ObjectShape::HalfSpace,
         ObjectKind::Box => ObjectShape::Box { size: vector(section, SIZE)? },
         ObjectKind::Ellipsoid => ObjectShape::Ellipsoid { semi_axes: vector(section, SEMI_AXES)? },
         ObjectKind::Sphere => ObjectShape::Sphere { radius: section.number(RADIUS)? },
         ObjectKind::Cylinder => ObjectShape::Cylinder { radius: section.number(RADIUS)?, height: section.number(HEIGHT)? },
-        ObjectKind::Mesh => return Err(no_meshes(section, OBJECT_SHAPE)),
     })
 }
 
@@ -136,11 +148,39 @@ fn compliance(section: &Section<'_, '_>) -> Result<Compliance, SceneError> {
 /// Reads `[probe]`.
 pub fn probe(section: &Section<'_, '_>) -> Result<Probe, SceneError> {
     let kind = section.word(PROBE_SHAPE, &PROBE_KINDS)?;
-    let compound = matches!(kind, ProbeKind::Compound);
-    let parts = if compound { parts(section)? } else { vec![ProbePart::at_origin(probe_shape(section, kind)?)] };
+    let (parts, per_mass) = match kind {
+        ProbeKind::Compound => (parts(section)?, None),
+        ProbeKind::Mesh => {
+            let (parts, inertia) = skin::probe(section)?;
+            (parts.into_iter().map(Made::at_its_place).collect(), Some(inertia))
+        }
+        _ => (vec![Made { part: ProbePart::at_origin(probe_shape(section, kind)?), skin: None }], None),
+    };
     let mass = section.optional_number(MASS)?.unwrap_or(DEFAULT_MASS);
     section.finish(&format!("a probe of shape {}", name_of(&PROBE_KINDS, kind)))?;
-    Ok(Probe { parts, compound, mass })
+    let inertia = per_mass.map(|i| Inertia { moments: i.moments * mass, products: i.products * mass });
+    let (parts, skins) = parts.into_iter().map(|made| (made.part, made.skin)).unzip();
+    Ok(Probe { parts, skins, inertia, compound: matches!(kind, ProbeKind::Compound), mass })
+}
+
+/// A part, with its skin when it is a mesh.
+struct Made {
+    part: ProbePart<'static>,
+    skin: Option<Skin>,
+}
+
+impl Made {
+    /// A part of a mesh, in the mesh's frame.
+    fn at_its_place(part: skin::Part) -> Self {
+        let shape = ProbeShape::Mesh(part.skin.shape);
+        Self { part: ProbePart { position: part.position, ..ProbePart::at_origin(shape) }, skin: Some(part.skin) }
+    }
+
+    /// The same with that frame placed in the probe's.
+    fn placed(self, position: Vec3, rotation: Quat) -> Self {
+        let part = ProbePart { position: position + rotation * self.part.position, rotation, ..self.part };
+        Self { part, ..self }
+    }
 }
 
 fn probe_shape(section: &Section<'_, '_>, kind: ProbeKind) -> Result<ProbeShape<'static>, SceneError> {
@@ -153,37 +193,41 @@ fn probe_shape(section: &Section<'_, '_>, kind: ProbeKind) -> Result<ProbeShape<
         ProbeKind::Capsule => ProbeShape::Capsule { radius: radius()?, height: height()? },
         ProbeKind::Cylinder => ProbeShape::Cylinder { radius: radius()?, height: height()? },
         ProbeKind::Cone => ProbeShape::Cone { radius: radius()?, height: height()? },
-        ProbeKind::Mesh => return Err(no_meshes(section, PROBE_SHAPE)),
-        ProbeKind::Compound => {
+        // meshes have been read by whoever asks
+        ProbeKind::Mesh | ProbeKind::Compound => {
             return Err(section.error("shape", "a part is one of the simple shapes; list every part on its own"));
         }
     })
 }
 
-fn parts(section: &Section<'_, '_>) -> Result<Vec<ProbePart<'static>>, SceneError> {
+fn parts(section: &Section<'_, '_>) -> Result<Vec<Made>, SceneError> {
     let sections = section.sections(PART)?;
-    if !(1..=MAX_PARTS).contains(&sections.len()) {
-        let what = format!("{} parts, allowed is 1 to {MAX_PARTS}; add or join parts", sections.len());
+    let mut made = Vec::new();
+    for inner in &sections {
+        made.extend(part(inner)?);
+    }
+    if !(1..=MAX_PARTS).contains(&made.len()) {
+        let what = format!("{} parts, allowed is 1 to {MAX_PARTS}; add or join parts", made.len());
         return Err(section.error("part", &what));
     }
-    sections.iter().map(part).collect()
+    Ok(made)
 }
 
-fn part(section: &Section<'_, '_>) -> Result<ProbePart<'static>, SceneError> {
+/// One part of a compound: of a mesh with hollows, its convex parts.
+fn part(section: &Section<'_, '_>) -> Result<Vec<Made>, SceneError> {
     let kind = section.word(PART_SHAPE, &PROBE_KINDS)?;
-    let shape = probe_shape(section, kind)?;
+    let made = match kind {
+        ProbeKind::Mesh => skin::probe(section)?.0.into_iter().map(Made::at_its_place).collect(),
+        _ => vec![Made { part: ProbePart::at_origin(probe_shape(section, kind)?), skin: None }],
+    };
     let position = section.optional_numbers(POSITION)?.map_or(Vec3::ZERO, Vec3::from_array);
     let rotation = section.optional_numbers(ROTATION)?.map_or(Quat::IDENTITY, |[w, x, y, z]| Quat::from_xyzw(x, y, z, w));
     section.finish(&format!("a part of shape {}", name_of(&PROBE_KINDS, kind)))?;
-    Ok(ProbePart { shape, position, rotation })
+    Ok(made.into_iter().map(|made| made.placed(position, rotation)).collect())
 }
 
 fn vector(section: &Section<'_, '_>, key: Key) -> Result<Vec3, SceneError> {
     section.numbers(key).map(Vec3::from_array)
-}
-
-fn no_meshes(section: &Section<'_, '_>, key: Key) -> SceneError {
-    section.error("shape", &format!("meshes are not available in this version; available are {}", key.allowed))
 }
 
 fn name_of<T: Copy>(kinds: &[(&'static str, T)], kind: T) -> &'static str {

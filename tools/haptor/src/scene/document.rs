@@ -6,6 +6,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -165,6 +166,17 @@ impl<'d, 'a> Section<'d, 'a> {
         self.find(key.name).map(|value| self.numbers_in(key, value)).transpose()
     }
 
+    /// A text.
+    pub fn text(&self, key: Key) -> Result<&'d str, SceneError> {
+        let value = self.required(key)?;
+        value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value))
+    }
+
+    /// The path of a file that the scene names, relative to the scene's own folder.
+    pub fn beside(&self, name: &str) -> PathBuf {
+        Path::new(self.document.file).parent().unwrap_or(Path::new("")).join(name)
+    }
+
     /// One of the listed words.
     pub fn word<T: Copy>(&self, key: Key, words: &[(&str, T)]) -> Result<T, SceneError> {
         self.word_in(key, self.required(key)?, words)
@@ -216,6 +228,11 @@ impl<'d, 'a> Section<'d, 'a> {
             Some(Place { line, written }) => self.document.error(*line, format!("{full} = {written}: {what}")),
             None => self.document.error(self.line, format!("{full}: {what}")),
         }
+    }
+
+    /// Tells on standard error what is allowed but worth knowing about a key of this section.
+    pub fn note(&self, name: &str, what: &str) {
+        eprintln!("haptor: note: {}", self.error(name, what));
     }
 
     fn within(&self, name: String, value: Value<'d, 'a>, table: &'d DeTable<'a>) -> Section<'d, 'a> {

@@ -8,6 +8,7 @@ mod body;
 mod coupling;
 mod document;
 mod settings;
+mod skin;
 
 use std::path::Path;
 
@@ -17,6 +18,7 @@ pub use body::{Object, Probe};
 pub use document::SceneError;
 use document::{Document, Key, key};
 pub use settings::Extras;
+pub use skin::Skin;
 
 use crate::failure::Failure;
 
@@ -98,10 +100,16 @@ impl Scene {
         spec.fixed_below = self.object.fixed_below;
         spec.compliance = self.object.compliance;
         spec.mass = self.probe.mass;
+        spec.inertia = self.probe.inertia;
         if let Some(length) = self.extras.paper_length {
             spec.paper_length = length;
         }
         spec
+    }
+
+    /// The skins that bodies of the scene have, in the order in which a baked file carries them: the object's, then those of the probe's parts.
+    pub fn skins(&self) -> impl Iterator<Item = &Skin> {
+        self.object.skin.iter().chain(self.probe.skins.iter().flatten())
     }
 
     /// The scene's parameters with a guard that does nothing, for whoever wants the contact's own wrench: no limit, no ramp, no damping, and
