@@ -55,7 +55,7 @@ const PROMISED: [(ProbeShape<'static>, f32, f32); 6] = [
     (ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) }, 0.8, 0.004),
     (ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 4.0, 0.03),
     (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 4.0, 0.06),
-    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 9.0, 0.07),
+    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 9.0, 0.12),
 ];
 
 #[test]

@@ -204,9 +204,9 @@ impl<F: Fn(Vec3) -> Vec3> Rim<F> {
             let share = 0.5 * (low + high);
             let (out, point) = self.turned(share);
             if lead(share, out, point) > 0.0 {
-                (high, after) = (share, Some(point))
+                (high, after) = (share, Some(point));
             } else {
-                (low, before) = (share, Some(point))
+                (low, before) = (share, Some(point));
             }
         }
         let share = 0.5 * (low + high);
