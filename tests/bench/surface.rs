@@ -1,7 +1,9 @@
 //! What the whole deformed surface costs: 4,096 vertices under 1 and 10 regions, and how it grows with either. Figures with machine,
 //! method and date go to `RESULTS.md`.
 //!
-//! `cargo bench -p haptor-tests --bench surface`. The regions are pressed, dragged and twisted into partial slip, so that every part of
+//! `cargo bench -p haptor-tests --bench surface`. Beside criterion's mean the fastest of many updates is printed, which is what the work takes
+//! on a core that nothing else runs on. Instructions of one update: the same program under `valgrind --tool=callgrind
+//! '--toggle-collect=*Prepared*update*' '--toggle-collect=*prepare_with*'` with `--bench --test NAME`. The regions are pressed, dragged and twisted into partial slip, so that every part of
 //! a field is at work. Vertices are the faces of the box in a regular grid, face by face.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -12,6 +14,7 @@ use haptor_contact::{
     step,
 };
 use std::hint::black_box;
+use std::time::{Duration, Instant};
 
 const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1100.0 };
 const CUBE: Vec3 = Vec3::splat(0.1);
@@ -70,11 +73,29 @@ fn pressed(size: Vec3, parts: &[ProbePart<'_>], tier: Tier, look: impl FnOnce(&S
     look(&Surface { model: &model, params: &params, patches: &patches, p_wp: place, body: true });
 }
 
+/// Updates of which the fastest counts.
+const TRIES: usize = 5_000;
+
+/// The fastest update; none when the program only shows that it runs.
+fn fastest(mut update: impl FnMut()) -> Duration {
+    let tries = if std::env::args().any(|arg| arg == "--test") { 0 } else { TRIES };
+    let timed = (0..tries).map(|_| {
+        let start = Instant::now();
+        update();
+        start.elapsed()
+    });
+    timed.min().unwrap_or_default()
+}
+
 fn whole(bench: &mut Criterion, name: &str, size: Vec3, regions: usize, count: usize, tier: Tier, body: bool) {
     let rest = vertices(size, count);
     let mut moved = vec![Vec3::ZERO; rest.len()];
     pressed(size, &legs(regions), tier, |surface| {
         let surface = Surface { body, ..*surface };
+        println!(
+            "{name}/{regions} regions/{count}: fastest {:?}",
+            fastest(|| surface.update(black_box(&rest), black_box(&mut moved)))
+        );
         let mut group = bench.benchmark_group(name);
         group.throughput(Throughput::Elements((count * regions) as u64));
         group.bench_function(BenchmarkId::new(format!("{regions} regions"), count), |b| {

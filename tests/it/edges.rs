@@ -30,11 +30,11 @@ fn drive(object: ObjectShape<'static>, shape: ProbeShape<'static>) -> Drive {
     Drive::new(object, RUBBER, &[ProbePart::at_origin(shape)], &ParamsSpec { friction_dynamic: 0.0, ..ParamsSpec::default() })
 }
 
-/// From 35 mm off the middle of the top to beyond the edge or rim at x = 50 mm, tilted and turned.
+/// From 40 mm off the middle of the top to beyond the edge or rim at x = 50 mm, tilted and turned.
 fn slid(object: ObjectShape<'static>, shape: ProbeShape<'static>, tilt: f32, turn: f32) -> Vec<Wrench> {
     let (mut drive, turn) = (drive(object, shape), Quat::from_rotation_y(tilt) * Quat::from_rotation_z(turn));
     let z = object.height() + lift(&shape, turn, Vec3::Z) - DEPTH;
-    (0..900).map(|i| drive.tick(Vec3::new(0.035 + SLIDE * i as f32, 0.003, z), turn).contact).collect()
+    (0..700).map(|i| drive.tick(Vec3::new(0.04 + SLIDE * i as f32, 0.003, z), turn).contact).collect()
 }
 
 /// From lying on the top to lying on the side, the part's lowest face always 1 mm under `edge` along its own normal.
@@ -55,7 +55,7 @@ const PROMISED: [(ProbeShape<'static>, f32, f32); 6] = [
     (ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) }, 0.8, 0.004),
     (ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 4.0, 0.03),
     (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 4.0, 0.06),
-    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 23.0, 0.45),
+    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 9.0, 0.12),
 ];
 
 #[test]
@@ -65,7 +65,7 @@ fn no_flat_jumps_at_an_edge() {
     for (shape, force, torque) in PROMISED {
         let mut found = Vec::new();
         for (object, far) in [(CUBE, Vec3::new(0.05, 0.05, 0.1)), (round, Vec3::new(0.04, 0.03, 0.1))] {
-            for (tilt, turn) in [(0.0, 0.4), (0.3, 0.0), (0.785, 0.0), (1.2, 0.0)] {
+            for (tilt, turn) in [(0.0, 0.4), (0.3, 0.0), (1.2, 0.0)] {
                 found.push(steps(&slid(object, shape, tilt, turn)));
             }
             found.push(steps(&tipped(object, shape, Vec3::new(0.05, 0.003, 0.1), Vec3::Y)));

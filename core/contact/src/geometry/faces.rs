@@ -9,16 +9,19 @@ use glam::Vec3;
 
 use crate::geometry::deepest::Deepest;
 use crate::geometry::gap::Gap;
-use crate::math::{direction, max, root};
+use crate::math::{clamp, direction, max, root};
 
-/// Halvings of a share: to 1e-6, below which a flat counts as level.
-const EDGE_STEPS: usize = 18;
+/// Halvings of a share: to 1e-5, with which a flat of 40 mm leans by less than a micrometre.
+const EDGE_STEPS: usize = 17;
 
 /// Halvings of the third share at a corner.
-const CORNER_STEPS: usize = 16;
+const CORNER_STEPS: usize = 12;
 
 /// A face farther than this many depths has a weight below 1e-3: descent finds such points, and the bound proves it.
 const FARTHEST: f32 = 4.0;
+
+/// A face that no point of the part comes nearer to than this many depths changes the depth by less than 1e-4.
+const CLEAR: f32 = 8.0;
 
 /// How near an edge, in reaches of the part, a descent that found no overlap is not believed.
 const MISSED: f32 = 0.25;
@@ -52,7 +55,7 @@ pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: i
     if search.is_settled(slack, depth, reach) {
         return None;
     }
-    let found = search.over();
+    let found = search.over_two(depth).unwrap_or_else(|| search.over());
     let normal = direction(found.weights * sign, Vec3::Z);
     Some(Deepest { point: found.point + centre, gap: Gap { distance: -found.weights.dot(found.slack), normal } })
 }
@@ -74,6 +77,14 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         bound - depth <= SETTLED * depth
     }
 
+    /// Over two shares, where the whole part keeps clear of the third face.
+    fn over_two(&self, depth: f32) -> Option<Trial> {
+        let clear = |axis: Vec3| (self.half - self.sign * (self.support)(self.sign * axis)).dot(axis) > CLEAR * depth;
+        let pairs = [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)];
+        let (first, second, _) = pairs.into_iter().find(|&(_, _, third)| depth > 0.0 && clear(third))?;
+        Some(self.split(first, second, 1.0, Vec3::ZERO))
+    }
+
     /// Over all shares: the third by its slope against the best split of the rest.
     fn over(&self) -> Trial {
         let (mut low, mut high) = (0.0, 1.0);
@@ -91,20 +102,39 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     /// Best split of the share `whole` between two faces, the rest being given.
     fn split(&self, first: Vec3, second: Vec3, whole: f32, rest: Vec3) -> Trial {
         let (mut low, mut high) = (0.0, 1.0);
+        let (mut before, mut after) = (None, None);
+        let shares = |share: f32| rest + (first * share + second * (1.0 - share)) * whole;
+        let lead = |slope: Vec3| slope.dot(first) - slope.dot(second);
         for _ in 0..EDGE_STEPS {
             let share = 0.5 * (low + high);
-            let slope = self.trial(rest + (first * share + second * (1.0 - share)) * whole).slopes();
-            if slope.dot(first) > slope.dot(second) { high = share } else { low = share }
+            let trial = self.trial(shares(share));
+            if lead(trial.slopes()) > 0.0 {
+                (high, after) = (share, Some(trial.point));
+            } else {
+                (low, before) = (share, Some(trial.point));
+            }
         }
-        let share = 0.5 * (low + high);
-        self.trial(rest + (first * share + second * (1.0 - share)) * whole)
+        let last = self.trial(shares(0.5 * (low + high)));
+        let (Some(before), Some(after)) = (before, after) else { return last };
+        let at = |point: Vec3| lead(self.seen(last.shares, last.weights, point).slopes());
+        self.seen(last.shares, last.weights, between(before, at(before), after, at(after)))
     }
 
     fn trial(&self, shares: Vec3) -> Trial {
         let weights = shares * shares.map(|t| root(root(t)));
-        let point = (self.support)(-(weights * self.sign));
+        self.seen(shares, weights, (self.support)(-(weights * self.sign)))
+    }
+
+    fn seen(&self, shares: Vec3, weights: Vec3, point: Vec3) -> Trial {
         Trial { shares, weights, point, slack: self.half - self.sign * point }
     }
+}
+
+/// The point between two support points at which a slope that is `a` at one and `b` at the other vanishes: where a flat lies on the normal, the
+/// support jumps from end to end, and the deepest point lies between them.
+fn between(p: Vec3, a: f32, q: Vec3, b: f32) -> Vec3 {
+    let share = if a < b { clamp(b / (b - a), 0.0, 1.0) } else { 0.5 };
+    p * share + q * (1.0 - share)
 }
 
 /// A cylinder about its centre: the sign of the near end, and the way out to the point that was found.
@@ -117,7 +147,7 @@ struct Rim<F> {
 }
 
 /// Halvings of the direction across the axis, within [`WIDEST_TURN`] of the one found.
-const TURN_STEPS: usize = 16;
+const TURN_STEPS: usize = 12;
 
 /// Tangent of the largest turn about the axis away from the point that was found.
 const WIDEST_TURN: f32 = 1.0;
@@ -136,7 +166,7 @@ pub fn under_rim(radius: f32, height: f32, at: &Deepest, reach: f32, support: im
     if max(side, end) >= far && (depth <= 0.0 || rim.bound(side, end, depth) <= (1.0 + SETTLED) * depth) {
         return None;
     }
-    let (depth, normal, point) = rim.least_turn(rim.best_share());
+    let (depth, normal, point) = rim.best();
     Some(Deepest { point: point + centre, gap: Gap { distance: -depth, normal: direction(normal, Vec3::Z) } })
 }
 
@@ -147,48 +177,67 @@ impl<F: Fn(Vec3) -> Vec3> Rim<F> {
             let share = depth / s;
             share * share * share * share * share
         };
-        self.trial(weight(side), weight(end), self.out).0
+        let (side, end) = (weight(side), weight(end));
+        let (to_side, to_end) = self.slacks(self.out, self.point(side, end, self.out));
+        side * to_side + end * to_end
     }
 
-    /// Depth bound, slacks of side and end, and the support point for given weights.
-    fn trial(&self, side: f32, end: f32, out: Vec3) -> (f32, f32, f32, Vec3) {
-        let point = (self.support)(-(out * side + Vec3::Z * (self.sign * end)));
-        let (to_side, to_end) = (self.radius - out.dot(point), self.half_height - self.sign * point.z);
-        (side * to_side + end * to_end, to_side, to_end, point)
+    /// The part's support point against the weights.
+    fn point(&self, side: f32, end: f32, out: Vec3) -> Vec3 {
+        (self.support)(-(out * side + Vec3::Z * (self.sign * end)))
     }
 
-    /// The side's share at which its slope is the end's.
-    fn best_share(&self) -> f32 {
+    /// Slacks of side and end at a point.
+    fn slacks(&self, out: Vec3, point: Vec3) -> (f32, f32) {
+        (self.radius - out.dot(point), self.half_height - self.sign * point.z)
+    }
+
+    /// Depth, normal (of any length) and point at the side's share whose slope is the end's.
+    fn best(&self) -> (f32, Vec3, Vec3) {
         let (mut low, mut high) = (0.0, 1.0);
+        let (mut before, mut after) = (None, None);
+        let lead = |share: f32, out: Vec3, point: Vec3| {
+            let (to_side, to_end) = self.slacks(out, point);
+            root(root(share)) * to_side - root(root(1.0 - share)) * to_end
+        };
         for _ in 0..EDGE_STEPS {
             let share = 0.5 * (low + high);
-            let (_, to_side, to_end, _) = self.trial(weight_of(share), weight_of(1.0 - share), self.turned(share));
-            let (side, end) = (root(root(share)) * to_side, root(root(1.0 - share)) * to_end);
-            if side > end { high = share } else { low = share }
+            let (out, point) = self.turned(share);
+            if lead(share, out, point) > 0.0 {
+                (high, after) = (share, Some(point));
+            } else {
+                (low, before) = (share, Some(point));
+            }
         }
-        0.5 * (low + high)
+        let share = 0.5 * (low + high);
+        let (out, mut point) = self.turned(share);
+        if let (Some(before), Some(after)) = (before, after) {
+            point = between(before, lead(share, out, before), after, lead(share, out, after));
+        }
+        let (side, end) = (weight_of(share), weight_of(1.0 - share));
+        let (to_side, to_end) = self.slacks(out, point);
+        (side * to_side + end * to_end, out * side + Vec3::Z * (self.sign * end), point)
     }
 
-    /// The direction across the axis that points at its own support point.
-    fn turned(&self, share: f32) -> Vec3 {
+    /// The direction across the axis that points at its own support point, and that point.
+    fn turned(&self, share: f32) -> (Vec3, Vec3) {
+        let (side, end) = (weight_of(share), weight_of(1.0 - share));
         let across = Vec3::Z.cross(self.out);
         let along = |turn: f32| direction(self.out + across * turn, self.out);
+        let off = |out: Vec3, point: Vec3| Vec3::Z.cross(out).dot(point);
         let (mut low, mut high) = (-WIDEST_TURN, WIDEST_TURN);
+        let (mut before, mut after) = (None, None);
         for _ in 0..TURN_STEPS {
             let turn = 0.5 * (low + high);
             let out = along(turn);
-            let (_, _, _, point) = self.trial(weight_of(share), weight_of(1.0 - share), out);
-            if Vec3::Z.cross(out).dot(point) > 0.0 { low = turn } else { high = turn }
+            let point = self.point(side, end, out);
+            if off(out, point) > 0.0 { (low, before) = (turn, Some(point)) } else { (high, after) = (turn, Some(point)) }
         }
-        along(0.5 * (low + high))
-    }
-
-    /// Depth, normal (of any length) and deepest point at a share.
-    fn least_turn(&self, share: f32) -> (f32, Vec3, Vec3) {
-        let out = self.turned(share);
-        let (side, end) = (weight_of(share), weight_of(1.0 - share));
-        let (depth, _, _, point) = self.trial(side, end, out);
-        (depth, out * side + Vec3::Z * (self.sign * end), point)
+        let out = along(0.5 * (low + high));
+        match (before, after) {
+            (Some(before), Some(after)) => (out, between(after, off(out, after), before, off(out, before))),
+            _ => (out, self.point(side, end, out)),
+        }
     }
 }
 

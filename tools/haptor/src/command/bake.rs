@@ -42,16 +42,16 @@ pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     let mut file = vec![0; FILE_MAX];
     let length = encode_file(&baked, &mut file).map_err(problem)?;
     file.truncate(length);
-    let mut add = |kind, contents: &[u8]| {
+    if let Some(table) = table::of(scene, scene.params.tier, name)? {
+        let contents = table::contents(&table.spec());
         let start = file.len();
         file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
-        encode_section(kind, contents, &mut file[start..]).map_err(problem)
-    };
-    if let Some(table) = table::of(scene, scene.params.tier, name)? {
-        add(GREEN, &table::contents(&table.spec()))?;
+        encode_section(GREEN, &contents, &mut file[start..]).map_err(problem)?;
     }
     for skin in scene.skins() {
-        add(GRID, &skin.contents())?;
+        let (start, contents) = (file.len(), skin.contents());
+        file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
+        encode_section(GRID, &contents, &mut file[start..]).map_err(problem)?;
     }
     output::write_file(path, &file)
 }

@@ -36,10 +36,11 @@ pub(crate) struct Cut {
 }
 
 impl Solid {
-    /// The scene's shape divided by `unit` \[m\]; none for the half space, which has no body, and for a mesh, which is not filled with elements here.
+    /// The scene's shape divided by `unit` \[m\]; none for the half space, which has no body.
     pub(crate) fn new(shape: &ObjectShape<'_>, unit: f64) -> Option<Self> {
         Some(match *shape {
-            ObjectShape::HalfSpace | ObjectShape::Mesh(_) => return None,
+            ObjectShape::HalfSpace => return None,
+            ObjectShape::Mesh(mesh) => return Self::new(&mesh.stand_in(), unit),
             ObjectShape::Box { size } => Self::Box { size: size.as_dvec3() / unit },
             ObjectShape::Cylinder { radius, height } => {
                 Self::Cylinder { radius: f64::from(radius) / unit, height: f64::from(height) / unit }

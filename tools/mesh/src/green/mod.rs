@@ -81,8 +81,7 @@ impl GreenInputs {
             ObjectShape::Sphere { radius } => (2, [radius; 3]),
             ObjectShape::Ellipsoid { semi_axes } => (3, semi_axes.to_array()),
             ObjectShape::Cylinder { radius, height } => (4, [radius, height, 0.0]),
-            // refused before it is asked for
-            ObjectShape::Mesh(_) => (5, [0.0; 3]),
+            ObjectShape::Mesh(mesh) => return Self { shape: mesh.stand_in(), ..*self }.key(),
         };
         let Material { young_modulus, poisson_ratio, .. } = self.material;
         let mut digest = Sha256::new();

@@ -105,8 +105,9 @@ fn lifted(cut: &Cut, spot: Spot, radius: f64) -> (Vec<Spot>, f64) {
         return (Vec::new(), 0.0);
     }
     // a disc's points lie below its plane where the surface falls away
-    let dip = |spot: &Spot| radius * radius * cut.curvature(spot) * spot.normal.z.abs();
-    let clear = |spot: &Spot| above(spot) > CLEAR * radius * (1.0 - spot.normal.z * spot.normal.z).sqrt() + dip(spot);
+    let reach = CLEAR * radius;
+    let dip = |spot: &Spot| reach * reach * cut.curvature(spot) * spot.normal.z.abs();
+    let clear = |spot: &Spot| above(spot) > reach * (1.0 - spot.normal.z * spot.normal.z).sqrt() + dip(spot);
     let towards = |step: usize| {
         let direction = spot.point - cut.centre;
         let share = step as f64 / STEPS as f64;
@@ -119,12 +120,14 @@ fn lifted(cut: &Cut, spot: Spot, radius: f64) -> (Vec<Spot>, f64) {
     (vec![found], (above(&spot) / above(&found)).min(1.0))
 }
 
-/// Distance that discs keep from the held base, in radii.
-const CLEAR: f64 = 1.2;
+/// Distance that discs keep from the held base, in radii: the circle around them ([`crate::fem::anywhere::NEAR`]) stays above it.
+const CLEAR: f64 = 1.5;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::anywhere::NEAR;
+    use crate::fem::disc::Disc;
 
     #[test]
     fn every_node_has_a_place_but_those_on_the_base() {
@@ -132,6 +135,9 @@ mod tests {
             (Cut::new(Solid::Box { size: DVec3::new(1.0, 2.0, 1.4) }, 0.0), 49),
             (Cut::new(Solid::Cylinder { radius: 1.0, height: 1.5 }, 0.0), 29),
             (Cut::new(Solid::Ellipsoid { axes: DVec3::new(1.0, 0.9, 0.8) }, 0.2), 0),
+            (Cut::new(Solid::Ellipsoid { axes: DVec3::ONE }, 0.25), 0),
+            (Cut::new(Solid::Ellipsoid { axes: DVec3::new(0.3, 0.3, 0.8) }, 0.2), 0),
+            (Cut::new(Solid::Cylinder { radius: 1.0, height: 0.4 }, 0.1), 29),
         ];
         for (cut, held) in bodies {
             let half = cut.half_size.as_vec3();
@@ -141,8 +147,10 @@ mod tests {
             assert_eq!(found.places.len(), 218);
             let empty = found.places.iter().filter(|place| place.discs.is_empty()).count();
             assert!(empty >= held && empty <= held.max(25), "{cut:?}: {empty}");
-            for spot in &found.spots {
-                assert!(spot.point.z - radius * (1.0 - spot.normal.z.powi(2)).sqrt() > cut.base, "{cut:?}: {spot:?}");
+            for &spot in &found.spots {
+                let disc = Disc::new(&cut, spot, radius);
+                let circle = disc.circle(&cut, NEAR * radius);
+                assert!(disc.fine.iter().chain(&circle).all(|point| point.at.z > cut.base), "{cut:?}: {spot:?}");
             }
         }
     }

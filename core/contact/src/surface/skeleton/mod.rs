@@ -10,7 +10,7 @@
 //! ====+====  base    Station 0 does not move.
 //! ```
 //!
-//! Work at an update: patches x stations, then a table over the height, [`LEVELS`] intervals; after that a few operations per point,
+//! Work at an update: patches x stations, then a table over the height, 64 intervals; after that a few operations per point,
 //! whatever the number of patches.
 
 #![expect(clippy::needless_range_loop, reason = "one index over several arrays is the form that becomes vector instructions")]
