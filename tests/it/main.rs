@@ -26,6 +26,7 @@ mod host_rig;
 mod influence;
 mod invariance;
 mod link_faults;
+mod mesh_scenes;
 mod meshes;
 mod no_alloc;
 mod no_alloc_host;

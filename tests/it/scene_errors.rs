@@ -89,7 +89,7 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("size = [", "colour = \"red\"\nsize = [", &["s.toml:3:", "object.colour", "unknown key", "shape box", "young_modulus"]),
         ("size = [", "radius = 0.1\nsize = [", &["s.toml:3:", "object.radius", "unknown key", "shape box"]),
         ("shape = \"box\"", "shape = \"boks\"", &["s.toml:2:", "object.shape = \"boks\"", "half_space", "did you mean box?"]),
-        ("shape = \"box\"", "shape = \"mesh\"", &["s.toml:2:", "not available in this version", "box, ellipsoid"]),
+        ("shape = \"box\"", "shape = \"mesh\"", &["s.toml:1:", "object.file is missing", "STL file"]),
         ("shape = \"box\"", "shape = \"half_space\"", &["s.toml:3:", "object.size", "shape half_space"]),
         ("density", "fixed_below = 0.1\ndensity", &["s.toml:6:", "object.fixed_below = 0.1", "below the object's height"]),
         (
@@ -102,7 +102,7 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("radius = 0.02", "radius = 0", &["s.toml:10:", "probe.radius = 0", "1e-6 to 1e2 m"]),
         ("radius = 0.02", "radius = 0.02\nsize = [1, 1, 1]", &["s.toml:11:", "probe.size", "shape sphere"]),
         ("radius = 0.02", "radius = 0.02\nheight = 0.1", &["s.toml:11:", "probe.height", "shape sphere"]),
-        ("shape = \"sphere\"", "shape = \"mesh\"", &["s.toml:9:", "not available in this version"]),
+        ("shape = \"sphere\"", "shape = \"mesh\"", &["s.toml:8:", "probe.file is missing", "STL file"]),
         ("shape = \"sphere\"", "shape = \"cone\"", &["s.toml:8:", "probe.height is missing"]),
         ("shape = \"sphere\"\nradius = 0.02", "shape = \"compound\"\npart = []", &["s.toml:10:", "probe.part", "1 to 16"]),
         (
