@@ -89,7 +89,7 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("size = [", "colour = \"red\"\nsize = [", &["s.toml:3:", "object.colour", "unknown key", "shape box", "young_modulus"]),
         ("size = [", "radius = 0.1\nsize = [", &["s.toml:3:", "object.radius", "unknown key", "shape box"]),
         ("shape = \"box\"", "shape = \"boks\"", &["s.toml:2:", "object.shape = \"boks\"", "half_space", "did you mean box?"]),
-        ("shape = \"box\"", "shape = \"mesh\"", &["s.toml:1:", "object.file is missing", "STL file"]),
+        ("shape = \"box\"", "shape = \"mesh\"", &["s.toml:3:", "object.size", "unknown key", "did you mean file?"]),
         ("shape = \"box\"", "shape = \"half_space\"", &["s.toml:3:", "object.size", "shape half_space"]),
         ("density", "fixed_below = 0.1\ndensity", &["s.toml:6:", "object.fixed_below = 0.1", "below the object's height"]),
         (
