@@ -43,7 +43,7 @@ fn material(poisson_ratio: f32) -> Material {
     Material { young_modulus: 3.0e6, poisson_ratio, density: 1100.0 }
 }
 
-fn computed(shape: ObjectShape, nu: f32) -> GreenTable {
+fn computed(shape: ObjectShape<'static>, nu: f32) -> GreenTable {
     let fixed_below = shape.default_fixed_below();
     let inputs = GreenInputs { shape, material: material(nu), fixed_below, options: GreenOptions::default() };
     GreenTable::compute(&inputs, &mut |_, _| ()).expect("a table")
@@ -57,7 +57,7 @@ struct Patch<'a> {
 }
 
 impl<'a> Patch<'a> {
-    fn new(table: &'a GreenTable, shape: ObjectShape, nu: f32, place: Vec3, n: Vec3, a: f32, object_radius: f32) -> Self {
+    fn new(table: &'a GreenTable, shape: ObjectShape<'_>, nu: f32, place: Vec3, n: Vec3, a: f32, object_radius: f32) -> Self {
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
         let model = Model::new(&ModelSpec::new(shape, material(nu), &ball)).expect("a model");
         let green = Green::new(&table.spec()).expect("a table that the core takes");
@@ -87,7 +87,7 @@ fn scaled(load: &Load, by: f32) -> Load {
 
 #[test]
 fn the_cube_meets_drag_push_and_twist() {
-    const CUBE: ObjectShape = ObjectShape::Box { size: Vec3::splat(0.1) };
+    const CUBE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::splat(0.1) };
     const TOP: Vec3 = Vec3::new(0.0, 0.0, 0.1);
     for nu in [0.4999, 0.3] {
         let table = computed(CUBE, nu);
@@ -165,7 +165,7 @@ fn loads(one: &Patch<'_>, two: &Patch<'_>, leg: &Leg, nu: f32) -> (f32, f32) {
 
 #[test]
 fn the_ellipsoid_meets_one_patch_and_two_legs() {
-    const SHAPE: ObjectShape = ObjectShape::Ellipsoid { semi_axes: AXES };
+    const SHAPE: ObjectShape<'_> = ObjectShape::Ellipsoid { semi_axes: AXES };
     let table = computed(SHAPE, 0.4999);
     for case in &truth().ellipsoid {
         let (x, nu) = (case.offset_m, case.nu);

@@ -18,6 +18,8 @@ mod extremes;
 #[cfg(feature = "fem")]
 mod fem;
 #[cfg(feature = "fem")]
+mod green;
+#[cfg(feature = "fem")]
 mod green_table;
 mod histories;
 mod host_rig;

@@ -35,6 +35,9 @@ pub fn of(scene: &Scene, tier: Tier, name: &str) -> Result<Option<Table>, Failur
         return Ok(None);
     }
     let (shape, material) = (scene.object.shape, scene.object.material);
+    if scene.object.skin.is_some() {
+        return Err(Failure::bad_input(format!("{name}: tier green: a mesh has no table of its own; choose tier influence")));
+    }
     let fixed_below = scene.object.fixed_below.unwrap_or(shape.default_fixed_below());
     let inputs = GreenInputs { shape, material, fixed_below, options: GreenOptions::default() };
     let bar = crate::progress::bar(0, "the body's table");

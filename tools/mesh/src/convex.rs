@@ -28,7 +28,7 @@ pub struct CutSpec {
 
 impl Default for CutSpec {
     fn default() -> Self {
-        Self { parts: 16, voxels: 96, concavity: 5.0e-3 }
+        Self { parts: 16, voxels: 96, concavity: 0.02 }
     }
 }
 
@@ -51,8 +51,11 @@ pub fn concavity(mesh: &Mesh) -> Option<f64> {
 /// Points of the surface that are asked for their depth: fifty along a side of a cube.
 const ASKED: usize = 16_384;
 
-/// Cuts a solid mesh into convex parts, each closed and outside out; empty where it has no volume.
+/// Cuts a solid mesh into convex parts, each closed and outside out; a convex one stays whole. Empty where it has no volume.
 pub fn cut(mesh: &Mesh, spec: &CutSpec) -> Vec<Mesh> {
+    if concavity(mesh).is_some_and(|found| found < CONVEX) {
+        return hull(mesh).into_iter().collect();
+    }
     let points: Vec<_> = mesh.vertices.iter().map(|&v| to_tree(v)).collect();
     let parameters = vhacd::VHACDParameters {
         resolution: spec.voxels,

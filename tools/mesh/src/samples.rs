@@ -1,7 +1,7 @@
 //! Points spread over a mesh's surface, in progressive order: every prefix is spread as evenly as its number allows.
 //!
 //! Candidates are the vertices (where a part may be deepest) and points spread over the triangles by area, each with an equal share of it.
-//! Starting from the candidate farthest from the mass centre, the next sample is always the candidate farthest from all samples so far
+//! First come the farthest along the eight diagonals of a cube and its axes, so that the corners of a block are there; then the next sample is always the candidate farthest from all samples so far
 //! (T. F. Gonzalez, 1985; at most twice the best spacing). Areas belong to the full set: a candidate's share goes to its nearest sample. For a prefix
 //! the areas must be shared out anew, or scaled by total over sum.
 
@@ -24,6 +24,7 @@ pub struct Sample {
     pub area: f64,
 }
 
+#[derive(Clone, Copy)]
 struct Candidate {
     position: DVec3,
     normal: DVec3,
@@ -38,20 +39,22 @@ pub fn samples(mesh: &Mesh, distance: &Distance, centre: DVec3, count: usize, pr
     let mut candidates = vertices(mesh, distance);
     candidates.extend(spread(mesh));
     let mut chosen: Vec<Sample> = Vec::new();
-    let mut next = farthest(candidates.iter().map(|c| c.position.distance_squared(centre)));
-    while let Some((index, off)) = next
-        && chosen.len() < count
-        && (off > 0.0 || chosen.is_empty())
-    {
-        let Candidate { position, normal, .. } = candidates[index];
-        for candidate in &mut candidates {
-            let off = candidate.position.distance_squared(position);
-            if off < candidate.off {
-                (candidate.off, candidate.nearest) = (off, chosen.len());
+    let outermost = directions().into_iter().filter_map(|d| farthest(candidates.iter().map(|c| (c.position - centre).dot(d))));
+    let mut first: Vec<usize> = outermost.map(|(index, _)| index).rev().collect();
+    while chosen.len() < count {
+        let next = first.pop().or_else(|| farthest(candidates.iter().map(|c| c.off)).map(|(index, _)| index));
+        let Some(Candidate { position, normal, off, .. }) = next.and_then(|index| candidates.get(index)).copied() else { break };
+        if off > 0.0 {
+            for candidate in &mut candidates {
+                let off = candidate.position.distance_squared(position);
+                if off < candidate.off {
+                    (candidate.off, candidate.nearest) = (off, chosen.len());
+                }
             }
+            chosen.push(Sample { position, normal, area: 0.0 });
+        } else if first.is_empty() {
+            break;
         }
-        chosen.push(Sample { position, normal, area: 0.0 });
-        next = farthest(candidates.iter().map(|c| c.off));
         progress(chosen.len() as f64 / count as f64);
     }
     for candidate in &candidates {
@@ -60,6 +63,12 @@ pub fn samples(mesh: &Mesh, distance: &Distance, centre: DVec3, count: usize, pr
         }
     }
     chosen
+}
+
+/// Diagonals of a cube, then its axes.
+fn directions() -> Vec<DVec3> {
+    let diagonals = (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)) * 2.0 - DVec3::ONE);
+    diagonals.chain([DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis])).collect()
 }
 
 fn farthest(offs: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
@@ -137,11 +146,11 @@ mod tests {
     }
 
     #[test]
-    fn corners_come_early() {
+    fn corners_come_first() {
         let cube = tessellate::cuboid(DVec3::new(0.02, 0.03, 0.04));
         let found = samples(&cube, &Distance::new(&cube).unwrap(), DVec3::ZERO, 64, &mut |_| {});
         let corner = DVec3::new(0.01, 0.015, 0.02);
-        let reached = |sign: DVec3| found[..48].iter().any(|s| s.position.distance(corner * sign) < 2e-3);
+        let reached = |sign: DVec3| found[..8].iter().any(|s| s.position.distance(corner * sign) < 1e-9);
         for k in 0..8 {
             let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
             assert!(reached(DVec3::new(sign(0), sign(1), sign(2))), "corner {k}");
