@@ -173,7 +173,7 @@ fn less_never_costs_more() {
 }
 
 /// Most instructions of a tick that only looks, follows and presses: a tenth of a tick of tier `bristle`.
-const WITHOUT_FRICTION: u64 = 4_000;
+const WITHOUT_FRICTION: u64 = 4_500;
 
 /// Most instructions of a tick whose pose is that of the tick before.
 const STILL: u64 = 800;

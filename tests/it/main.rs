@@ -15,11 +15,8 @@ mod docs;
 mod edges;
 mod eval_cli;
 mod extremes;
-#[cfg(feature = "fem")]
 mod fem;
-#[cfg(feature = "fem")]
 mod green;
-#[cfg(feature = "fem")]
 mod green_table;
 mod histories;
 mod host_rig;

@@ -113,6 +113,12 @@ impl Disc {
         Move { shift: shift * fade, turn: self.unit * spin * near * near * near * fade }
     }
 
+    /// The curvature's part of [`Disc::displacement`] under a drag alone: what the forms of a patch's own profile and slip lack.
+    pub(crate) fn bent(&self, load: &Load, p_w: Vec3) -> Vec3 {
+        let along = load.force - self.normal * load.force.dot(self.normal);
+        along * (self.bent_drag(root((p_w - self.centre).length_squared())) * self.fade(p_w.z))
+    }
+
     /// 1 at the disc, 0 at the base and level at the disc.
     fn fade(&self, z: f32) -> f32 {
         let above = z - self.base;

@@ -17,6 +17,7 @@ use crate::stage::ground;
 
 use super::block::{BLOCK, Block};
 use super::field::Field;
+use super::local::turned_disc;
 
 /// The body under all its patches.
 #[derive(Clone, Debug)]
@@ -32,6 +33,9 @@ pub struct TableMotion {
 struct Source {
     disc: Disc,
     load: Load,
+    /// What the table, read between its nodes, lacks of the patch's own turn \[rad\].
+    lack: f32,
+    normal: Vec3,
     centre: Vec3,
     inverse_radius: f32,
 }
@@ -56,7 +60,14 @@ impl TableMotion {
             }
             let disc = Disc::new(model, place, patch.normal, radius, patch.object_radius);
             // a probe has at most as many patches as there is room for
-            let _ = motion.sources.push(Source { disc, load: ground::whole(patch), centre: place, inverse_radius: 1.0 / radius });
+            let load = ground::whole(patch);
+            let read = |p: Vec3| green.respond(&green.chart().cell(p), &loaded, &seen).shift;
+            let across = |e: Vec3| (read(place + e * radius) - read(place - e * radius)) / (2.0 * radius);
+            let (e1, e2) = (patch.tangent, patch.second_tangent());
+            let turn = 0.5 * (across(e1).dot(e2) - across(e2).dot(e1));
+            let lack = patch.body.twist * load.torque - turn;
+            let source = Source { disc, load, lack, normal: patch.normal, centre: place, inverse_radius: 1.0 / radius };
+            let _ = motion.sources.push(source);
         }
         Some(motion)
     }
@@ -89,15 +100,24 @@ impl TableMotion {
         for i in 0..BLOCK {
             let p = Vec3::new(block.x[i], block.y[i], block.z[i]);
             let share = source.far(p);
-            let far = if share > 0.0 { source.disc.displacement(&source.load, p) * share } else { Vec3::ZERO };
-            block.ux[i] += near.ux[i] * (1.0 - share) + far.x;
-            block.uy[i] += near.uy[i] * (1.0 - share) + far.y;
-            block.uz[i] += near.uz[i] * (1.0 - share) + far.z;
+            let far = if share > 0.0 { source.disc.displacement(&source.load, p) } else { Vec3::ZERO };
+            let own = Vec3::new(near.ux[i], near.uy[i], near.uz[i]) + source.disc.bent(&source.load, p) + source.lacking(p);
+            let found = own + (far - own) * share;
+            block.ux[i] += found.x;
+            block.uy[i] += found.y;
+            block.uz[i] += found.z;
         }
     }
 }
 
 impl Source {
+    /// What the table lacks at the patch, fading as the turn around a disc.
+    fn lacking(&self, p_w: Vec3) -> Vec3 {
+        let offset = p_w - self.centre;
+        let q = root(offset.length_squared()) * self.inverse_radius;
+        self.normal.cross(offset) * (self.lack * turned_disc(q))
+    }
+
     /// Share of the kernel at `p_w`.
     fn far(&self, p_w: Vec3) -> f32 {
         let q = root((p_w - self.centre).length_squared()) * self.inverse_radius;
