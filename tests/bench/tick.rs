@@ -77,6 +77,9 @@ fn one_region(bench: &mut Criterion) {
     for samples in [16, 64, 256] {
         scene(bench, &format!("one/bristle {samples}"), CUBE, &ball(), 1, &tier(Tier::Bristle, samples));
     }
+    for cells in [52, 112] {
+        scene(bench, &format!("one/influence {cells}"), CUBE, &ball(), 1, &tier(Tier::Influence, cells));
+    }
 }
 
 fn ten_regions(bench: &mut Criterion) {
@@ -84,6 +87,7 @@ fn ten_regions(bench: &mut Criterion) {
     scene(bench, "ten/point", TABLE, &ten(), 10, &tier(Tier::Point, 64));
     scene(bench, "ten/paper 64", TABLE, &ten(), 10, &tier(Tier::Paper, 64));
     scene(bench, "ten/bristle 64", TABLE, &ten(), 10, &tier(Tier::Bristle, 64));
+    scene(bench, "ten/influence 52", TABLE, &ten(), 10, &tier(Tier::Influence, 52));
 }
 
 fn nothing(bench: &mut Criterion) {
