@@ -27,7 +27,7 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32
     if let Some(given) = model.compliance {
         return given;
     }
-    if let Some(green) = &model.green {
+    if let Some(green) = model.table() {
         return by_table(&own(model, green, p_wc, n, a, curvature), n);
     }
     let g = model.material.shear_modulus();
@@ -136,7 +136,7 @@ fn stand_in<'a>(object: &ObjectShape<'a>) -> ObjectShape<'a> {
 pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
     match model.compliance {
         Some(given) => given.normal,
-        None if n.z >= LEVEL && model.green.is_none() => 0.0,
+        None if n.z >= LEVEL && model.table().is_none() => 0.0,
         None => compliance(model, p_wc, n, 0.0, 0.0).normal,
     }
 }

@@ -34,6 +34,16 @@ impl Default for GuardSpec {
 }
 
 impl GuardSpec {
+    /// No limit, no ramp, no damping: what goes in comes out.
+    pub const OPEN: Self = Self {
+        max_force: f32::INFINITY,
+        max_torque: f32::INFINITY,
+        max_force_rate: f32::INFINITY,
+        max_torque_rate: f32::INFINITY,
+        ramp_in: 0.0,
+        passivity: None,
+    };
+
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         let positive = |name, value: f32| {
             if value == f32::INFINITY { Ok(()) } else { require(value > 0.0, name, value, "above 0, or infinity for none") }

@@ -275,6 +275,16 @@ impl<'a> Model<'a> {
         self.green.as_ref()
     }
 
+    /// The table that tells what the body adds to the half space; a scene's own compliances go before it.
+    pub(crate) fn table(&self) -> Option<&Green<'a>> {
+        if self.compliance.is_none() { self.green.as_ref() } else { None }
+    }
+
+    /// Height at and below which nothing moves \[m\]; minus infinity for a half space.
+    pub(crate) fn base(&self) -> f32 {
+        if self.object == ObjectShape::HalfSpace { f32::NEG_INFINITY } else { self.fixed_below }
+    }
+
     /// Inertia of the probe about its mass centre.
     pub fn inertia(&self) -> Inertia {
         self.inertia

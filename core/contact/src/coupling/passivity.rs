@@ -133,8 +133,7 @@ mod tests {
 
     /// A guard without limits, passive or not.
     fn spec(passivity: Option<Passivity>) -> GuardSpec {
-        let none = f32::INFINITY;
-        GuardSpec { max_force: none, max_torque: none, max_force_rate: none, max_torque_rate: none, ramp_in: 0.0, passivity }
+        GuardSpec { passivity, ..GuardSpec::OPEN }
     }
 
     /// The number `i` of a fixed sequence in -1..1.

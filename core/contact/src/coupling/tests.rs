@@ -17,14 +17,8 @@ struct Felt<'a> {
     dt: f32,
 }
 
-/// No limits, so that the wrench is the coupling's.
-fn open() -> GuardSpec {
-    let none = f32::INFINITY;
-    GuardSpec { max_force: none, max_torque: none, max_force_rate: none, max_torque_rate: none, ramp_in: 0.0, passivity: None }
-}
-
 fn soft() -> ParamsSpec {
-    ParamsSpec { coupling: CouplingSpec::Virtual(VirtualCoupling::default()), guard: open(), ..ParamsSpec::default() }
+    ParamsSpec { coupling: CouplingSpec::Virtual(VirtualCoupling::default()), guard: GuardSpec::OPEN, ..ParamsSpec::default() }
 }
 
 impl<'a> Felt<'a> {

@@ -248,19 +248,12 @@ fn first_root(a: f32, b: f32, c: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::support::tests::SHAPES;
     use crate::geometry::support::{closest, reach};
 
     #[test]
     fn rays_end_on_the_surface() {
-        let shapes = [
-            ProbeShape::Sphere { radius: 0.02 },
-            ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.01) },
-            ProbeShape::Cylinder { radius: 0.01, height: 0.04 },
-            ProbeShape::Cone { radius: 0.01, height: 0.03 },
-            ProbeShape::Capsule { radius: 0.005, height: 0.03 },
-            ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.01, 0.02, 0.03) },
-        ];
-        for shape in shapes {
+        for shape in SHAPES {
             for i in 0..200 {
                 let f = i as f32;
                 let q = Vec3::new(libm::sinf(f), libm::sinf(2.3 * f), libm::cosf(0.7 * f)) * 0.003;

@@ -162,10 +162,11 @@ pub fn widest_disc(shape: &ProbeShape<'_>) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    const SHAPES: [ProbeShape<'_>; 6] = [
+    /// One of every primitive.
+    pub(in crate::geometry) const SHAPES: [ProbeShape<'_>; 6] = [
         ProbeShape::Sphere { radius: 0.02 },
         ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.01) },
         ProbeShape::Cylinder { radius: 0.01, height: 0.04 },

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use crate::math::{PI, ln, max, min, root};
-use crate::model::{Model, ObjectShape};
+use crate::model::Model;
 use crate::surface::local::{disc, disc_across, turned_disc};
 
 /// A force on the object and a torque about the disc's normal.
@@ -59,7 +59,7 @@ impl Disc {
     /// A disc of `radius` about the rest place `p_wc` with the outward `normal`, on an object whose mean radius of curvature there is `object_radius`.
     pub fn new(model: &Model<'_>, p_wc: Vec3, normal: Vec3, radius: f32, object_radius: f32) -> Self {
         let (g, nu) = (model.material.shear_modulus(), model.material.poisson_ratio);
-        let base = if model.object == ObjectShape::HalfSpace { f32::NEG_INFINITY } else { model.fixed_below };
+        let base = model.base();
         Self {
             centre: p_wc,
             normal,
@@ -212,7 +212,7 @@ pub(crate) fn bent_drag(curvature: f32, poisson: f32, d: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Material, ModelSpec, ProbePart, ProbeShape};
+    use crate::model::{Material, ModelSpec, ObjectShape, ProbePart, ProbeShape};
 
     fn on_half_space(nu: f32, check: impl Fn(&Disc, f32)) {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };

@@ -42,7 +42,7 @@ pub struct Ground {
 pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Ground>) {
     grounds.clear();
     let alone_on_axis = |patch: &Patch| arm(patch.at_rest()) == Vec3::ZERO || model.object == ObjectShape::HalfSpace;
-    if patches.len() <= 1 && table(model).is_none() && patches.iter().all(alone_on_axis) {
+    if patches.len() <= 1 && model.table().is_none() && patches.iter().all(alone_on_axis) {
         return;
     }
     let alone = patches.len() <= 1;
@@ -54,7 +54,7 @@ pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Groun
 impl Ground {
     fn of(model: &Model<'_>, patch: &Patch, alone: bool) -> Self {
         let (place, radius) = (patch.at_rest(), patch.footprint.radius);
-        let table = table(model);
+        let table = model.table();
         let torsion = if table.is_some() { 0.0 } else { body::torsion(model, place) };
         let by_beam = table.is_none() && !alone;
         // a patch without extent holds nothing; its disc needs a radius all the same
@@ -79,15 +79,10 @@ impl Ground {
     }
 }
 
-/// The table that tells what the body adds; a scene's own compliances go before it.
-pub fn table<'m>(model: &'m Model<'_>) -> Option<&'m Green<'m>> {
-    if model.compliance.is_none() { model.green.as_ref() } else { None }
-}
-
 /// Motion of the ground under patch `i`, in its frame, by all grips as they are now.
 pub fn moved(model: &Model<'_>, grounds: &[Ground], patches: &[Patch], i: usize) -> Shift {
     let (Some(here), Some(ground)) = (patches.get(i), grounds.get(i)) else { return Shift::default() };
-    let Move { shift, turn } = match table(model) {
+    let Move { shift, turn } = match model.table() {
         Some(green) => by_table(model, green, grounds, patches, here, i),
         None => by_beam(grounds, ground, here.normal, i),
     };
@@ -104,7 +99,7 @@ pub fn take_up(ground: Option<&mut Ground>, patch: &Patch) {
 /// How far the body's table lowers the place of patch `i` by all that the patches of the last tick did, beyond the dents of a half space and what
 /// the patch's own load is counted for in series \[m\].
 pub fn lowered(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
-    let (Some(green), Some(here)) = (table(model), patches.get(i)) else { return 0.0 };
+    let (Some(green), Some(here)) = (model.table(), patches.get(i)) else { return 0.0 };
     let at = green.chart().cell(here.at_rest());
     let others = patches.iter().enumerate().filter(|(j, other)| *j != i && other.footprint.load > 0.0);
     let crossed = others.fold(Vec3::ZERO, |sum, (_, other)| {

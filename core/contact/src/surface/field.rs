@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::math::{PI, cbrt, clamp, max, min, root};
-use crate::model::{Model, ObjectShape};
+use crate::model::Model;
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::profile::{FULLNESS_HERTZ, FULLNESS_PUNCH};
@@ -147,7 +147,7 @@ impl Field {
 
 impl Frame {
     fn new(model: &Model<'_>, patch: &Patch) -> Self {
-        let base = if model.object == ObjectShape::HalfSpace { f32::NEG_INFINITY } else { model.fixed_below };
+        let base = model.base();
         let (centre, radius) = (patch.at_rest(), patch.footprint.radius);
         let pull = root(patch.grip.force.length_squared());
         let along = if pull > 0.0 { patch.grip.force / pull } else { Vec2::X };

@@ -50,7 +50,7 @@ use glam::Vec3;
 use heapless::Vec;
 
 use crate::limits::MAX_PARTS;
-use crate::model::{Model, ObjectShape};
+use crate::model::Model;
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use block::{BLOCK, Block};
@@ -101,9 +101,7 @@ impl Surface<'_> {
 
     /// As [`Surface::prepare`], with a motion of the body that the caller knows.
     pub fn prepare_with(&self, body: BodyMotion) -> Prepared {
-        let half_space = self.model.object == ObjectShape::HalfSpace;
-        let base = if half_space { f32::NEG_INFINITY } else { self.model.fixed_below };
-        let mut prepared = Prepared { base, fields: Vec::new(), body };
+        let mut prepared = Prepared { base: self.model.base(), fields: Vec::new(), body };
         for patch in self.patches {
             let Some(field) = Field::new(self.model, self.params, patch) else { continue };
             let paper = match self.params.tier {
@@ -152,7 +150,7 @@ impl Prepared {
 mod tests {
     use super::*;
     use crate::frames::Pose;
-    use crate::model::{Material, ModelSpec, ProbePart, ProbeShape};
+    use crate::model::{Material, ModelSpec, ObjectShape, ProbePart, ProbeShape};
     use crate::params::ParamsSpec;
     use crate::{Input, Quat, Scratch, State, step};
 

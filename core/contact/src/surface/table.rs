@@ -7,7 +7,8 @@
 use glam::Vec3;
 use heapless::Vec;
 
-use crate::green::chart::{Chart, MAX_PLACES};
+use crate::green::Green;
+use crate::green::chart::{Cell, Chart, MAX_PLACES};
 use crate::green::kernel::{Disc, Load};
 use crate::limits::MAX_PARTS;
 use crate::math::{clamp, root};
@@ -47,27 +48,18 @@ const FAR: f32 = 4.0;
 impl TableMotion {
     /// The motion under `patches`; `None` where the model has no table, or the scene's own compliances go before it.
     pub fn new(model: &Model<'_>, patches: &[Patch]) -> Option<Self> {
-        let green = ground::table(model)?;
+        let green = model.table()?;
         let mut motion =
             Self { chart: *green.chart(), base: model.fixed_below, moves: [Vec3::ZERO; MAX_PLACES], sources: Vec::new() };
         for patch in patches.iter().filter(|patch| patch.footprint.radius > 0.0) {
-            let (place, radius) = (patch.at_rest(), patch.footprint.radius);
-            let loaded = green.chart().cell(place);
+            let loaded = green.chart().cell(patch.at_rest());
             let seen = ground::seen(model, patch);
             for (node, moved) in motion.moves.iter_mut().enumerate().take(green.chart().places()) {
                 let [x, y, z, _] = green.at_node(node, &loaded, &seen);
                 *moved += Vec3::new(x, y, z);
             }
-            let disc = Disc::new(model, place, patch.normal, radius, patch.object_radius);
             // a probe has at most as many patches as there is room for
-            let load = ground::whole(patch);
-            let read = |p: Vec3| green.respond(&green.chart().cell(p), &loaded, &seen).shift;
-            let across = |e: Vec3| (read(place + e * radius) - read(place - e * radius)) / (2.0 * radius);
-            let (e1, e2) = (patch.tangent, patch.second_tangent());
-            let turn = 0.5 * (across(e1).dot(e2) - across(e2).dot(e1));
-            let lack = patch.body.twist * load.torque - turn;
-            let source = Source { disc, load, lack, normal: patch.normal, centre: place, inverse_radius: 1.0 / radius };
-            let _ = motion.sources.push(source);
+            let _ = motion.sources.push(Source::new(model, green, patch, &loaded, &seen));
         }
         Some(motion)
     }
@@ -99,9 +91,10 @@ impl TableMotion {
         field.add(&mut near);
         for i in 0..BLOCK {
             let p = Vec3::new(block.x[i], block.y[i], block.z[i]);
-            let share = source.far(p);
+            let q = source.distance(p);
+            let share = Source::far(q);
             let far = if share > 0.0 { source.disc.displacement(&source.load, p) } else { Vec3::ZERO };
-            let own = Vec3::new(near.ux[i], near.uy[i], near.uz[i]) + source.disc.bent(&source.load, p) + source.lacking(p);
+            let own = Vec3::new(near.ux[i], near.uy[i], near.uz[i]) + source.lacking(p, q);
             let found = own + (far - own) * share;
             block.ux[i] += found.x;
             block.uy[i] += found.y;
@@ -111,16 +104,38 @@ impl TableMotion {
 }
 
 impl Source {
-    /// What the table lacks at the patch, fading as the turn around a disc.
-    fn lacking(&self, p_w: Vec3) -> Vec3 {
-        let offset = p_w - self.centre;
-        let q = root(offset.length_squared()) * self.inverse_radius;
-        self.normal.cross(offset) * (self.lack * turned_disc(q))
+    /// The source that `patch` is; `seen` is its load as the table's columns of `loaded` see it.
+    fn new(model: &Model<'_>, green: &Green<'_>, patch: &Patch, loaded: &Cell, seen: &Load) -> Self {
+        let (centre, normal, radius) = (patch.at_rest(), patch.normal, patch.footprint.radius);
+        let read = |p: Vec3| green.respond(&green.chart().cell(p), loaded, seen).shift;
+        let across = |e: Vec3| (read(centre + e * radius) - read(centre - e * radius)) / (2.0 * radius);
+        let (e1, e2) = (patch.tangent, patch.second_tangent());
+        let turn = 0.5 * (across(e1).dot(e2) - across(e2).dot(e1));
+        let load = ground::whole(patch);
+        Self {
+            disc: Disc::new(model, centre, normal, radius, patch.object_radius),
+            lack: patch.body.twist * load.torque - turn,
+            load,
+            normal,
+            centre,
+            inverse_radius: 1.0 / radius,
+        }
     }
 
-    /// Share of the kernel at `p_w`.
-    fn far(&self, p_w: Vec3) -> f32 {
-        let q = root((p_w - self.centre).length_squared()) * self.inverse_radius;
+    /// Distance of `p_w` from the centre, over the contact radius.
+    fn distance(&self, p_w: Vec3) -> f32 {
+        root((p_w - self.centre).length_squared()) * self.inverse_radius
+    }
+
+    /// What the forms of the patch's own profile and slip lack at `p_w`, the distance `q` away: the curvature's part, and what the table lacks of the
+    /// patch's turn, fading as that around a disc.
+    fn lacking(&self, p_w: Vec3, q: f32) -> Vec3 {
+        let turned = self.normal.cross(p_w - self.centre) * (self.lack * turned_disc(q));
+        self.disc.bent(&self.load, p_w) + turned
+    }
+
+    /// Share of the kernel at the distance `q`.
+    fn far(q: f32) -> f32 {
         let share = clamp((q - NEAR) / (FAR - NEAR), 0.0, 1.0);
         share * share * (3.0 - 2.0 * share)
     }
