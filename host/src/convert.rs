@@ -9,13 +9,11 @@
 //! off unit length by more than [`QUATERNION_TOLERANCE`], is refused and the loop goes on as if none had come.
 
 use haptor_contact as contact;
-use haptor_contact::green::{Green, GreenSpec};
 use haptor_contact::{
     GuardSpec, Input, Invalid, Model, ModelSpec, Params, ParamsSpec, Pose, ProbeFrame, QUATERNION_TOLERANCE, Quat, Vec3, World,
     Wrench,
 };
 use haptor_wire as wire;
-use haptor_wire::sections;
 use haptor_wire::units::{
     NOT_A_NUMBER, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unm_to_newton_metres,
 };
@@ -23,9 +21,12 @@ use haptor_wire::{BakedScene, DeviceHello, PoseReport, WrenchCommand};
 
 use crate::frames::{DeviceBase, Handle};
 
+mod data;
 mod grid;
+mod table;
 
-use grid::{Grid, MAX_GRIDS};
+use data::Data;
+use grid::MAX_GRIDS;
 
 /// Patches that the core keeps in memory: as many as a probe may have parts.
 const PATCHES: usize = contact::MAX_PARTS;
@@ -45,16 +46,6 @@ pub enum SceneError {
     /// A value is out of its range.
     #[error(transparent)]
     Value(#[from] Invalid),
-    /// The scene asks for something that this build cannot do.
-    #[error("{key} = \"{value}\" is not available in this build; available: {available}")]
-    NotAvailable {
-        /// The scene file's key.
-        key: &'static str,
-        /// What it says.
-        value: &'static str,
-        /// What it may say.
-        available: &'static str,
-    },
     /// A section's contents are not what its kind says.
     #[error("section {kind} of the baked scene: {what}; bake the scene anew")]
     Section {
@@ -91,79 +82,6 @@ pub struct Scene {
     params: ParamsSpec,
     x_wd: Pose<World, DeviceBase>,
     data: Data,
-}
-
-/// What a file carries behind its scene.
-#[derive(Clone, Debug, Default)]
-struct Data {
-    table: Option<Table>,
-    grids: Vec<Grid>,
-}
-
-impl Data {
-    fn read(file: &[u8]) -> Result<Self, SceneError> {
-        let mut data = Self::default();
-        for section in wire::scene_file::sections(file)? {
-            let section = section?;
-            match section.kind {
-                sections::GREEN => data.table = Some(Table::new(section.contents)?),
-                sections::GRID if data.grids.len() == MAX_GRIDS => return Err(SceneError::TooManyMeshes),
-                sections::GRID => data.grids.push(Grid::new(section.contents)?),
-                _ => {}
-            }
-        }
-        Ok(data)
-    }
-
-    fn mesh(&self, key: &'static str, number: u8) -> Result<contact::MeshShape<'_>, SceneError> {
-        let found = self.grids.len();
-        let grid = self.grids.get(usize::from(number)).ok_or(SceneError::NoMesh { key, number, found })?;
-        Ok(grid.shape()?)
-    }
-}
-
-/// The body's own Green's function as a file carries it: made before the real-time thread starts, and locked in memory with the rest.
-#[derive(Clone, Debug)]
-struct Table {
-    chart: contact::green::Chart,
-    patch_radius: f32,
-    /// Own moves, then the table.
-    numbers: Vec<f32>,
-    /// How many of them are own moves.
-    own: usize,
-}
-
-/// Numbers of a table's section before the own moves.
-const TABLE_HEAD: usize = 8;
-
-impl Table {
-    fn new(contents: &[u8]) -> Result<Self, SceneError> {
-        let wrong = |what| SceneError::Section { kind: sections::GREEN, what };
-        let mut numbers = sections::numbers(contents).ok_or_else(|| wrong("its length is no multiple of four"))?;
-        let mut head = [0.0; TABLE_HEAD];
-        for slot in &mut head {
-            *slot = numbers.next().ok_or_else(|| wrong("it ends within its head"))?;
-        }
-        let [x, y, z, hx, hy, hz, patch_radius, nodes] = head;
-        let per_edge =
-            [3_u8, 5, 7, 9].into_iter().find(|&n| f32::from(n) == nodes).ok_or_else(|| wrong("3, 5, 7 or 9 nodes an edge"))?;
-        let chart = contact::green::Chart {
-            centre: Vec3::new(x, y, z),
-            half_size: Vec3::new(hx, hy, hz),
-            per_edge: usize::from(per_edge),
-        };
-        let table = Self { chart, patch_radius, own: contact::green::BLOCK * chart.places(), numbers: numbers.collect() };
-        if table.numbers.len() < table.own {
-            return Err(wrong("it ends within the own moves"));
-        }
-        table.green()?;
-        Ok(table)
-    }
-
-    fn green(&self) -> Result<Green<'_>, Invalid> {
-        let (own, table) = self.numbers.split_at(self.own);
-        Green::new(&GreenSpec { chart: self.chart, patch_radius: self.patch_radius, own, table })
-    }
 }
 
 impl Scene {
@@ -225,7 +143,7 @@ impl Scene {
         Ok(ModelSpec {
             fixed_below: Some(baked.fixed_below),
             compliance,
-            green: self.data.table.as_ref().map(Table::green).transpose()?,
+            green: self.data.table.as_ref().map(table::Table::green).transpose()?,
             mass: baked.mass,
             inertia: baked
                 .inertia
@@ -504,6 +422,7 @@ pub fn command(seq: u32, echo: u32, wrench: &Wrench<DeviceBase>, hold_us: u32) -
 mod tests {
     use super::*;
     use std::f32::consts::FRAC_1_SQRT_2;
+    use wire::sections;
     use wire::units::{metres_to_nm, unit_to_q30};
     use wire::{Mode, ProbePart, ProbeParts};
 
