@@ -115,16 +115,7 @@ impl Scene {
     /// The scene's parameters with a guard that does nothing, for whoever wants the contact's own wrench: no limit, no ramp, no damping, and
     /// no flag that speaks of one.
     pub fn contact_only(&self) -> ParamsSpec {
-        let none = f32::INFINITY;
-        let guard = GuardSpec {
-            max_force: none,
-            max_torque: none,
-            max_force_rate: none,
-            max_torque_rate: none,
-            ramp_in: 0.0,
-            passivity: None,
-        };
-        ParamsSpec { guard, ..self.params }
+        ParamsSpec { guard: GuardSpec::OPEN, ..self.params }
     }
 
     fn validate(&self) -> Result<(), Refused> {

@@ -120,14 +120,7 @@ pub fn model(root: &Section<'_, '_>, section: Option<&Section<'_, '_>>, params: 
 }
 
 /// No limit, and the core's ramp.
-const NO_LIMITS: GuardSpec = GuardSpec {
-    max_force: f32::INFINITY,
-    max_torque: f32::INFINITY,
-    max_force_rate: f32::INFINITY,
-    max_torque_rate: f32::INFINITY,
-    ramp_in: 0.5,
-    passivity: None,
-};
+const NO_LIMITS: GuardSpec = GuardSpec { ramp_in: 0.5, ..GuardSpec::OPEN };
 
 /// Reads `[guard]` over the core's own limits, and over none.
 pub fn guard(section: &Section<'_, '_>, params: &mut ParamsSpec, extras: &mut Extras) -> Result<(), SceneError> {

@@ -29,8 +29,14 @@ const DENSITIES: [Density; 4] = [
     Density { cells: 9, edge: 0.02, growth: 1.75, turns: 6 },
 ];
 
-/// See [`super::body_constants`].
-pub(super) fn constants(
+/// Compliance constants of `body` at `place`, with the distance to a coarser mesh as error.
+///
+/// `progress` is called with the number of solved load cases and how many there will be.
+///
+/// # Errors
+/// Names a parameter out of range, or a place that is not supported (tops at their middle and all of a box but its base are), or
+/// a mesh that cannot be made or solved.
+pub fn body_constants(
     body: &Body,
     material: &Elastic,
     place: &Place,

@@ -33,6 +33,7 @@ pub(crate) mod whole;
 
 use glam::DVec3;
 
+pub use bodies::body_constants;
 use bricks::Bricks;
 
 /// An elastic body in its own frame: z up, base at z = 0, middle on the z axis.
@@ -209,21 +210,4 @@ fn mirrors(mesh: &Bricks, direction: Direction) -> Vec<bool> {
         }
     }
     held
-}
-
-/// Compliance constants of `body` at `place`, with the distance to a coarser mesh as error.
-///
-/// `progress` is called with the number of solved load cases and how many there will be.
-///
-/// # Errors
-/// Names a parameter out of range, or a place that is not supported (tops at their middle and all of a box but its base are), or
-/// a mesh that cannot be made or solved.
-pub fn body_constants(
-    body: &Body,
-    material: &Elastic,
-    place: &Place,
-    fineness: Fineness,
-    progress: &mut dyn FnMut(u32, u32),
-) -> Result<Found, FemError> {
-    bodies::constants(body, material, place, fineness, progress)
 }
