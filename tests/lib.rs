@@ -6,5 +6,9 @@ pub mod reference;
 #[path = "accuracy/mod.rs"]
 pub mod accuracy;
 
+/// Green's tables of the reference bodies.
+#[path = "bodies/mod.rs"]
+pub mod bodies;
+
 #[path = "stability/mod.rs"]
 pub mod stability;

@@ -5,15 +5,15 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::Mutex;
 
 use haptor_contact::surface::Surface;
 use haptor_contact::{
-    Green, Input, MAX_BRISTLES, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Patch, Pose, ProbePart, ProbeShape,
-    Quat, Scratch, State, Tier, Vec2, Vec3, profile, step,
+    Input, MAX_BRISTLES, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Patch, Pose, ProbePart, ProbeShape, Quat,
+    Scratch, State, Tier, Vec2, Vec3, profile, step,
 };
-use haptor_mesh::green::{GreenInputs, GreenOptions, GreenTable};
 use serde::Deserialize;
+
+use crate::bodies;
 
 const FIELDS: &str = include_str!("../truth/surface_fields.json");
 
@@ -137,7 +137,7 @@ fn play(case: &Case, tier: Tier) -> Played {
     };
     let parts = parts(case, &object);
     let material = Material { young_modulus: YOUNG, poisson_ratio: case.poisson, density: 1100.0 };
-    let green = (tier == Tier::Green).then(|| table(&case.body, object, material));
+    let green = (tier == Tier::Green).then(|| bodies::green(object, material));
     let model = Model::new(&ModelSpec { green, ..ModelSpec::new(object, material, &parts) }).expect("a valid scene");
     let friction = if bonded { BOND } else { case.friction };
     let samples = if tier == Tier::Green { 52 } else { 64 };
@@ -176,19 +176,6 @@ fn play(case: &Case, tier: Tier) -> Played {
         (1..=TICKS).for_each(|i| patches = tick(Quat::from_rotation_z(case.amount * i as f32 / TICKS as f32)));
     }
     Played { before, after: moved(&patches), radius: patches[0].footprint.radius }
-}
-
-/// Tables by body and material, computed once.
-static TABLES: Mutex<BTreeMap<(String, u32), &'static GreenTable>> = Mutex::new(BTreeMap::new());
-
-/// The body's own Green's function.
-fn table(body: &str, shape: ObjectShape<'static>, material: Material) -> Green<'static> {
-    let mut tables = TABLES.lock().expect("nobody panicked");
-    let table: &'static GreenTable = tables.entry((body.to_owned(), material.poisson_ratio.to_bits())).or_insert_with(|| {
-        let inputs = GreenInputs { shape, material, fixed_below: shape.default_fixed_below(), options: GreenOptions::default() };
-        Box::leak(Box::new(GreenTable::compute(&inputs, &mut |_, _| ()).expect("a table")))
-    });
-    Green::new(&table.spec()).expect("a table that the core takes")
 }
 
 /// The probe: a disc or a ball in the middle, or two balls where the legs of a compass stand.

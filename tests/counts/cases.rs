@@ -138,19 +138,10 @@ fn features() -> Vec<Case> {
         change(&mut case);
         case
     };
-    let no_limit = f32::INFINITY;
-    let no_guard = GuardSpec {
-        max_force: no_limit,
-        max_torque: no_limit,
-        max_force_rate: no_limit,
-        max_torque_rate: no_limit,
-        ramp_in: 0.0,
-        passivity: None,
-    };
     vec![
         case("base", &|_| ()),
         case("base, gravity", &|c| c.params.gravity = true),
-        case("base, guard without limits", &|c| c.params.guard = no_guard),
+        case("base, guard without limits", &|c| c.params.guard = GuardSpec::OPEN),
         case("base, guard with passivity", &|c| c.params.guard.passivity = Some(Passivity::default())),
         case("base, virtual coupling", &|c| couple(c)),
         case("no friction, virtual coupling", &|c| {

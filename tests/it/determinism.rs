@@ -6,6 +6,8 @@ use haptor_contact::{
     Tier, step,
 };
 
+use crate::support::noise::noise;
+
 /// Ticks of a session: ten turning points of every coordinate.
 const TICKS: u32 = 160;
 
@@ -25,15 +27,6 @@ impl Digest {
     fn take_all(&mut self, values: &[f32]) {
         values.iter().for_each(|value| self.take(value.to_bits()));
     }
-}
-
-/// The number `i` of a fixed sequence in -1..1, from integers alone, so that no platform's sine is in it.
-fn noise(i: u32) -> f32 {
-    let mut x = i.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
-    x = (x ^ (x >> 15)).wrapping_mul(0x2C1B_3C6D);
-    x = (x ^ (x >> 12)).wrapping_mul(0x297A_2D39);
-    x ^= x >> 15;
-    (x >> 8) as f32 / 8_388_608.0 - 1.0
 }
 
 /// Smooth value between the sequence's numbers at every 16th tick.

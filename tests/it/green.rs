@@ -1,9 +1,7 @@
 //! Tier `green` against finite elements of others: how stiff a body is under one patch and under two legs.
 
-use std::sync::OnceLock;
-
-use haptor_contact::{Flags, Green, Material, ModelSpec, ObjectShape, ParamsSpec, ProbePart, ProbeShape, Quat, Tier, Vec3};
-use haptor_mesh::green::{GreenInputs, GreenOptions, GreenTable};
+use haptor_contact::{Flags, Material, ModelSpec, ObjectShape, ParamsSpec, ProbePart, ProbeShape, Quat, Tier, Vec3};
+use haptor_tests::bodies;
 
 use crate::support::drive::{Drive, RUBBER};
 
@@ -11,17 +9,6 @@ use crate::support::drive::{Drive, RUBBER};
 const ELLIPSOID: ObjectShape<'static> = ObjectShape::Ellipsoid { semi_axes: Vec3::new(0.06, 0.05, 0.04) };
 const MATERIAL: Material = Material { poisson_ratio: 0.499_9, ..RUBBER };
 const BALL: f32 = 0.06;
-
-/// The ellipsoid's table, computed once.
-fn green() -> Green<'static> {
-    static TABLE: OnceLock<GreenTable> = OnceLock::new();
-    let table = TABLE.get_or_init(|| {
-        let fixed_below = ELLIPSOID.default_fixed_below();
-        let inputs = GreenInputs { shape: ELLIPSOID, material: MATERIAL, fixed_below, options: GreenOptions::default() };
-        GreenTable::compute(&inputs, &mut |_, _| ()).expect("a table")
-    });
-    Green::new(&table.spec()).expect("a table that the core takes")
-}
 
 /// Balls at the level offsets `legs` along x, each pressed along the normal so deep that its contact has the radius `wanted` seen from above.
 fn pressed(legs: &[f32], wanted: f32) -> Drive {
@@ -40,7 +27,7 @@ fn at_depth(legs: &[f32], depth: f32, tier: Tier) -> Drive {
     let params = ParamsSpec { tier, samples: 112, friction_dynamic: 10.0, region_distance: 0.0, ..ParamsSpec::default() };
     let parts: Vec<ProbePart<'static>> = legs.iter().map(|&x| leg(x, depth)).collect();
     let parts: &'static [ProbePart<'static>] = Box::leak(parts.into_boxed_slice());
-    let spec = ModelSpec { green: Some(green()), ..ModelSpec::new(ELLIPSOID, MATERIAL, parts) };
+    let spec = ModelSpec { green: Some(bodies::green(ELLIPSOID, MATERIAL)), ..ModelSpec::new(ELLIPSOID, MATERIAL, parts) };
     let mut drive = Drive::from_spec(&spec, &params);
     (0..4).for_each(|_| _ = drive.tick(Vec3::ZERO, Quat::IDENTITY));
     drive

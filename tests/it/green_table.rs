@@ -5,7 +5,8 @@
 
 use haptor_contact::green::{Disc, Green, Load};
 use haptor_contact::{Material, Model, ModelSpec, ObjectShape, ProbePart, ProbeShape, Vec3};
-use haptor_mesh::green::{GreenInputs, GreenOptions, GreenTable};
+use haptor_mesh::green::GreenTable;
+use haptor_tests::bodies;
 use serde::Deserialize;
 
 /// Tables B1, B3 and B4 of the reference, thinned.
@@ -41,12 +42,6 @@ fn truth() -> Truth {
 
 fn material(poisson_ratio: f32) -> Material {
     Material { young_modulus: 3.0e6, poisson_ratio, density: 1100.0 }
-}
-
-fn computed(shape: ObjectShape<'static>, nu: f32) -> GreenTable {
-    let fixed_below = shape.default_fixed_below();
-    let inputs = GreenInputs { shape, material: material(nu), fixed_below, options: GreenOptions::default() };
-    GreenTable::compute(&inputs, &mut |_, _| ()).expect("a table")
 }
 
 /// A loaded patch.
@@ -90,10 +85,10 @@ fn the_cube_meets_drag_push_and_twist() {
     const CUBE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::splat(0.1) };
     const TOP: Vec3 = Vec3::new(0.0, 0.0, 0.1);
     for nu in [0.4999, 0.3] {
-        let table = computed(CUBE, nu);
+        let table = bodies::table(CUBE, material(nu));
         for case in truth().cube.iter().filter(|case| case.nu == nu) {
             let (a, g) = (case.a_m, material(nu).shear_modulus());
-            let patch = Patch::new(&table, CUBE, nu, TOP, Vec3::Z, a, f32::INFINITY);
+            let patch = Patch::new(table, CUBE, nu, TOP, Vec3::Z, a, f32::INFINITY);
             let own = patch.green.own(TOP);
             let (local, load, rim) = match case.mode.as_str() {
                 "drag" => (8.0 * g * a / (2.0 - nu), force(Vec3::X), 1.0),
@@ -166,13 +161,13 @@ fn loads(one: &Patch<'_>, two: &Patch<'_>, leg: &Leg, nu: f32) -> (f32, f32) {
 #[test]
 fn the_ellipsoid_meets_one_patch_and_two_legs() {
     const SHAPE: ObjectShape<'_> = ObjectShape::Ellipsoid { semi_axes: AXES };
-    let table = computed(SHAPE, 0.4999);
+    let table = bodies::table(SHAPE, material(0.4999));
     for case in &truth().ellipsoid {
         let (x, nu) = (case.offset_m, case.nu);
         let leg = leg(x, case.a_m);
         let mirror = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
-        let one = Patch::new(&table, SHAPE, nu, leg.place, leg.n, leg.a, leg.radius);
-        let two = Patch::new(&table, SHAPE, nu, mirror(leg.place), mirror(leg.n), leg.a, leg.radius);
+        let one = Patch::new(table, SHAPE, nu, leg.place, leg.n, leg.a, leg.radius);
+        let two = Patch::new(table, SHAPE, nu, mirror(leg.place), mirror(leg.n), leg.a, leg.radius);
         let (pull, torque) = loads(&one, &two, &leg, nu);
         let legs = if x > 0.0 { 2.0 } else { 1.0 };
         let stiffness = legs * (x * pull + leg.n.z * torque);

@@ -4,12 +4,10 @@ use std::f64::consts::PI;
 
 use glam::{Quat, Vec3};
 use haptor_contact::{Breakaway, Flags, ObjectShape, ParamsSpec, ProbePart, ProbeShape, Tier, Wrench};
-use serde::Deserialize;
 
 use crate::support::drive::{CUBE, Drive, RUBBER};
-use crate::support::led::{Units, worst};
-
-const PRESSED: &str = include_str!("../truth/pressed_paths.json");
+use crate::support::led::{Units, follow, worst};
+use crate::support::tables::pressed_table;
 
 /// Tiers whose memory is meant to be physical.
 const TIERS: [Tier; 2] = [Tier::Point, Tier::Bristle];
@@ -42,52 +40,10 @@ fn difference(a: &Wrench, b: &Wrench) -> f32 {
     (a.force - b.force).length() + (a.torque - b.torque).length() / 0.02
 }
 
-#[derive(Deserialize)]
-struct PressedTable {
-    unconverged: usize,
-    histories: Vec<PressedPath>,
-}
-
-#[derive(Deserialize)]
-struct PressedPath {
-    name: String,
-    state: Vec<[f64; 4]>,
-    answer: Vec<[f64; 3]>,
-}
-
-/// Leads a ball of small strain along `path`; answers in the units of the contact of radius 1.
-fn follow(path: &PressedPath, params: &ParamsSpec, ticks: usize) -> Vec<[f64; 3]> {
-    const RADIUS: f32 = 0.1;
-    const DEEPEST: f64 = 2.0e-4;
-    let units = {
-        let mut full = Drive::ball(ObjectShape::HalfSpace, RADIUS, 0.5, params);
-        full.press_to(RADIUS, DEEPEST as f32);
-        Units::of(&full, 0.75)
-    };
-    let mut drive = Drive::ball(ObjectShape::HalfSpace, RADIUS, 0.5, params);
-    let mut pose = |[a, x, y, angle]: [f64; 4]| {
-        let height = f64::from(RADIUS) - DEEPEST * a * a;
-        let at = Vec3::new((x * units.shift) as f32, (y * units.shift) as f32, height as f32);
-        drive.tick(at, Quat::from_rotation_z((angle * units.angle) as f32));
-        units.share(drive.held())
-    };
-    let mut answers = vec![pose(path.state[0])];
-    for pair in path.state.windows(2) {
-        for tick in 1..=ticks {
-            let part = tick as f64 / ticks as f64;
-            let answer = pose(std::array::from_fn(|k| pair[0][k] + part * (pair[1][k] - pair[0][k])));
-            if tick == ticks {
-                answers.push(answer);
-            }
-        }
-    }
-    answers
-}
-
 /// Boundary elements under a load that changes: press deeper, lift, press again, with drag and twist held or moving.
 #[test]
 fn loads_that_change() {
-    let table: PressedTable = serde_json::from_str(PRESSED).expect("the table parses");
+    let table = pressed_table();
     assert_eq!((table.unconverged, table.histories.len()), (0, 14));
     for (choice, most) in [(Tier::Point, 0.45), (Tier::Bristle, 0.05)] {
         for path in &table.histories {

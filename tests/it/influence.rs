@@ -10,12 +10,11 @@ use haptor_contact::{
 use serde::Deserialize;
 
 use crate::support::drive::{CUBE, Drive, FullState, RUBBER};
-use crate::support::led::{Shift, Units, lead, worst};
-use crate::support::tables::{CombinedPath, combined_table, drag_table};
+use crate::support::led::{Shift, Units, follow, lead, worst};
+use crate::support::tables::{CombinedPath, combined_table, drag_table, pressed_table};
 
 const STRAIGHT: &str = include_str!("../truth/straight_paths.json");
 const TURNING: &str = include_str!("../truth/turning_paths.json");
-const PRESSED: &str = include_str!("../truth/pressed_paths.json");
 
 /// Cells, and the most that any answer of any path may be off, of mu P and of T_max, at four sweeps.
 const PROMISES: [(usize, f64); 2] = [(52, 0.06), (112, 0.03)];
@@ -108,49 +107,14 @@ fn uneven_ticks_change_little() {
     }
 }
 
-#[derive(Deserialize)]
-struct PressedTable {
-    histories: Vec<PressedPath>,
-}
-
-#[derive(Deserialize)]
-struct PressedPath {
-    name: String,
-    state: Vec<[f64; 4]>,
-    answer: Vec<[f64; 3]>,
-}
-
-/// Leads a ball of small strain along `path`, two ticks a row; answers in the units of the contact of radius 1.
-fn press(path: &PressedPath, samples: usize) -> Vec<[f64; 3]> {
-    const RADIUS: f32 = 0.1;
-    const DEEPEST: f64 = 2.0e-4;
-    let start = || Drive::ball(ObjectShape::HalfSpace, RADIUS, 0.5, &params(samples, 0.75));
-    let mut full = start();
-    full.press_to(RADIUS, DEEPEST as f32);
-    let units = Units::of(&full, 0.75);
-    let mut drive = start();
-    let mut pose = |[a, x, y, angle]: [f64; 4]| {
-        let height = f64::from(RADIUS) - DEEPEST * a * a;
-        let at = Vec3::new((x * units.shift) as f32, (y * units.shift) as f32, height as f32);
-        drive.tick(at, Quat::from_rotation_z((angle * units.angle) as f32));
-        units.share(drive.held())
-    };
-    let mut answers = vec![pose(path.state[0])];
-    for pair in path.state.windows(2) {
-        pose(std::array::from_fn(|k| 0.5 * (pair[0][k] + pair[1][k])));
-        answers.push(pose(pair[1]));
-    }
-    answers
-}
-
 /// Loads that change under friction: what is shed, kept, and enters free, on a grid that is laid anew as the contact grows and shrinks.
 #[test]
 fn boundary_elements_under_changing_loads() {
-    let table: PressedTable = serde_json::from_str(PRESSED).expect("the table parses");
+    let table = pressed_table();
     for (samples, most) in [(52, 0.08), (112, 0.05)] {
         let mut all = 0.0_f64;
         for path in &table.histories {
-            let (drag, torque) = worst(&press(path, samples), &path.answer);
+            let (drag, torque) = worst(&follow(path, &params(samples, 0.75), 2), &path.answer);
             println!("{samples} cells, {}: {drag:.4} {torque:.4}", path.name);
             all = all.max(drag).max(torque);
         }

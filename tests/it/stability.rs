@@ -11,6 +11,8 @@ use haptor_tests::stability::map::{HANDS, LIGHT_GRIP, MACHINES, on_two_threads};
 use haptor_tests::stability::rig::{Case, Seen};
 use haptor_tests::stability::words::REGION;
 
+use crate::support::noise::noise;
+
 /// A loop on the Premium class device at 1 kHz.
 fn premium(coupled: bool, young_modulus: f32, delay: usize) -> Case {
     let machine = MACHINES[0];
@@ -147,15 +149,6 @@ fn an_hour_at_rest_does_not_drift() {
         assert_eq!(felt.tick(position, rotation, 1.0e-3), settled, "tick {tick}");
     }
     assert_eq!(felt.state.probe_pose(), probe);
-}
-
-/// The number `i` of a fixed sequence in -1..1, from integers alone.
-fn noise(i: u32) -> f32 {
-    let mut x = i.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
-    x = (x ^ (x >> 15)).wrapping_mul(0x2C1B_3C6D);
-    x = (x ^ (x >> 12)).wrapping_mul(0x297A_2D39);
-    x ^= x >> 15;
-    (x >> 8) as f32 / 8_388_608.0 - 1.0
 }
 
 /// A number between powers of ten.

@@ -169,17 +169,14 @@ impl Case {
 
     fn params(self) -> ParamsSpec {
         let Machine { preset, closes, damps } = self.machine;
-        let none = f32::INFINITY;
         let passivity =
             Passivity { max_damping: damps.0, max_spin_damping: damps.1, delay_ticks: self.delay, ..Passivity::default() };
+        // the loop itself, not the slew limit, is under test
         let guard = GuardSpec {
             max_force: preset.max_force,
-            max_torque: if preset.max_torque > 0.0 { preset.max_torque } else { none },
-            // the loop itself, not the slew limit, is under test
-            max_force_rate: none,
-            max_torque_rate: none,
-            ramp_in: 0.0,
+            max_torque: if preset.max_torque > 0.0 { preset.max_torque } else { f32::INFINITY },
             passivity: self.passive.then_some(passivity),
+            ..GuardSpec::OPEN
         };
         let coupling = if self.coupled {
             CouplingSpec::Virtual(VirtualCoupling::closable(closes.0, closes.1))

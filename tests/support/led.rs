@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
-use haptor_contact::{Quat, Vec3};
+use haptor_contact::{ObjectShape, ParamsSpec, Quat, Vec3};
 
 use super::drive::Drive;
+use super::tables::PressedPath;
 
 /// Shift along x and y, and angle.
 pub type Shift = [f64; 3];
@@ -76,4 +77,33 @@ pub fn worst(found: &[[f64; 3]], expected: &[[f64; 3]]) -> (f64, f64) {
         let off = (f[0] - e[0]).hypot(f[1] - e[1]);
         (off.max(drag), (f[2] - e[2]).abs().max(torque))
     })
+}
+
+/// Leads a ball of small strain along `path`; `ticks` a row; answers in the units of the contact of radius 1.
+pub fn follow(path: &PressedPath, params: &ParamsSpec, ticks: usize) -> Vec<[f64; 3]> {
+    const RADIUS: f32 = 0.1;
+    const DEEPEST: f64 = 2.0e-4;
+    let units = {
+        let mut full = Drive::ball(ObjectShape::HalfSpace, RADIUS, 0.5, params);
+        full.press_to(RADIUS, DEEPEST as f32);
+        Units::of(&full, 0.75)
+    };
+    let mut drive = Drive::ball(ObjectShape::HalfSpace, RADIUS, 0.5, params);
+    let mut pose = |[a, x, y, angle]: [f64; 4]| {
+        let height = f64::from(RADIUS) - DEEPEST * a * a;
+        let at = Vec3::new((x * units.shift) as f32, (y * units.shift) as f32, height as f32);
+        drive.tick(at, Quat::from_rotation_z((angle * units.angle) as f32));
+        units.share(drive.held())
+    };
+    let mut answers = vec![pose(path.state[0])];
+    for pair in path.state.windows(2) {
+        for tick in 1..=ticks {
+            let part = tick as f64 / ticks as f64;
+            let answer = pose(std::array::from_fn(|k| pair[0][k] + part * (pair[1][k] - pair[0][k])));
+            if tick == ticks {
+                answers.push(answer);
+            }
+        }
+    }
+    answers
 }

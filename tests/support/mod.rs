@@ -3,4 +3,5 @@
 pub mod drive;
 pub mod exact;
 pub mod led;
+pub mod noise;
 pub mod tables;

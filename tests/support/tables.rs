@@ -57,3 +57,23 @@ pub struct DragRow {
 pub fn drag_table() -> DragTable {
     serde_json::from_str(include_str!("../truth/B5_drag_cube.json")).expect("the table parses")
 }
+
+/// Histories of shift, twist and load together, of half-space boundary elements, in the units of the contact of radius 1.
+#[derive(Deserialize)]
+pub struct PressedTable {
+    pub unconverged: usize,
+    pub histories: Vec<PressedPath>,
+}
+
+/// One history of [`PressedTable`]: radius, shift and turn, and the answer to each.
+#[derive(Deserialize)]
+pub struct PressedPath {
+    pub name: String,
+    pub state: Vec<[f64; 4]>,
+    pub answer: Vec<[f64; 3]>,
+}
+
+/// The histories under changing loads.
+pub fn pressed_table() -> PressedTable {
+    serde_json::from_str(include_str!("../truth/pressed_paths.json")).expect("the table parses")
+}
