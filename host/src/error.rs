@@ -5,8 +5,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::convert::SceneError;
 use crate::rt::policy::MissingRight;
+use haptor_engine::SceneError;
 
 /// Why the host did not start, or could not keep what it promised outside the tick.
 #[derive(Debug, thiserror::Error)]

@@ -7,8 +7,6 @@
 //! |---|---|
 //! | [`rt`] | the real-time thread: what it promises; its parts, one a file |
 //! | [`link`] | what carries bytes: serial, TCP, USB, memory; addresses; faults on purpose |
-//! | [`convert`] | wire ⇄ core, the only file that knows both |
-//! | [`frames`] | the frames `d` and `h` |
 //! | [`config`] | arguments, checked |
 //! | [`session`] | the threads of a run and the queues between them |
 //! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
@@ -18,9 +16,7 @@
 //! not link this crate, tests do.
 
 pub mod config;
-pub mod convert;
 pub mod error;
-pub mod frames;
 pub mod link;
 pub mod recorder;
 pub mod reopen;

@@ -17,7 +17,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use haptor_wire::{PROTOCOL_VERSION, RecordHeader, Summary, TOOL_SCHEMA_HASH, VersionMismatch, scene_file};
 
 use crate::config::Config;
-use crate::convert::{Scene, SceneError};
 use crate::error::HostError;
 use crate::link::{AnyLink, open};
 use crate::recorder::{Recorder, Written};
@@ -30,6 +29,7 @@ use crate::rt::line::{Exchange, Line, exchange};
 use crate::rt::parts::Settings;
 use crate::rt::policy;
 use crate::{reopen, status};
+use haptor_engine::{Scene, SceneError};
 
 /// How a run went.
 #[derive(Debug)]
@@ -152,7 +152,7 @@ fn real_time(
     ready: &mpsc::Sender<()>,
     stop: &AtomicBool,
 ) -> Result<(Summary, Option<VersionMismatch>), HostError> {
-    let core = scene.core().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
+    let engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     let line = Line::new(link, links);
     let obtained = policy::apply(config.rt, config.cpu)?;
     let settings = Settings {
@@ -162,7 +162,7 @@ fn real_time(
         stale: config.stale,
         rt: obtained.report,
     };
-    let mut control = Control::new(settings, Monotonic, line, core, account);
+    let mut control = Control::new(settings, Monotonic, line, engine, account);
     // a supervisor that is gone will not be served better by stopping here
     let _ = ready.send(());
     control.run(stop);

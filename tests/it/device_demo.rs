@@ -2,11 +2,11 @@
 //! buzz. One tick from report to wrench, as over a cable; no clock, no process, the same figures on every machine.
 
 use glam::Vec3;
+use haptor_engine::{Felt, OwnedEngine, Scene, command, handle_pose};
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::preset::{OMEGA6, PREMIUM15, Preset, SIGMA7, TOUCH};
 use haptor_firmware_sim::script::{CLEARANCE, Reach};
 use haptor_firmware_sim::{Device, Script, TxBuf};
-use haptor_host::convert::{Core, Felt, Scene, command, handle_pose};
 use haptor_wire::{
     BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromDevice, GuardLimits, HostHello, Mode, ObjectShape,
     PROTOCOL_VERSION, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, SCHEMA_HASH, StreamDecoder, Tier, ToDevice,
@@ -62,7 +62,7 @@ struct Session {
 /// Runs the paper's motion once.
 fn run(preset: &Preset, tier: Tier) -> Session {
     let scene = Scene::new(&ball_on_cube(tier)).unwrap();
-    let mut core = scene.core().unwrap();
+    let mut engine = scene.engine().unwrap();
     let reach = Reach::usual(FIRM_GRIP.stiffness, preset.max_force);
     let script = Script::by_name("press-twist-slide", &reach, false).unwrap();
     let ticks = script.length_us() / 1000;
@@ -75,20 +75,20 @@ fn run(preset: &Preset, tier: Tier) -> Session {
         tx.clear();
         device.step(1000, &rx, &mut tx);
         rx.clear();
-        decoder.feed(tx.as_slice(), |message| rx.extend(answer(&mut core, &mut session, message)));
+        decoder.feed(tx.as_slice(), |message| rx.extend(answer(&mut engine, &mut session, message)));
     }
     session.mode = device.mode();
     session
 }
 
-fn answer(core: &mut Core<'_>, session: &mut Session, message: FromDevice) -> Vec<u8> {
+fn answer(engine: &mut OwnedEngine, session: &mut Session, message: FromDevice) -> Vec<u8> {
     match message {
         FromDevice::Hello(hello) => {
-            core.fit(&hello).unwrap();
+            engine.fit(&hello).unwrap();
             Vec::new()
         }
         FromDevice::Pose(report) => {
-            let felt = core.step(&handle_pose(&report).unwrap(), 1e-3);
+            let felt = engine.step(&handle_pose(&report).unwrap(), 1e-3);
             session.felt.push(felt);
             session.reports.push(report);
             frame(&ToDevice::Wrench(command(session.felt.len() as u32, report.seq, &felt.wrench, 5000)))

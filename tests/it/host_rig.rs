@@ -7,11 +7,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
+use haptor_engine::Scene;
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::preset::PREMIUM15;
 use haptor_firmware_sim::script::{CLEARANCE, Reach, Script};
 use haptor_firmware_sim::{Device, TxBuf};
-use haptor_host::convert::Scene;
 use haptor_host::link::{AnyLink, Link, LinkError};
 use haptor_host::rt::account::{Account, Readers};
 use haptor_host::rt::blackbox::{BlackBoxReader, black_box};
@@ -174,7 +174,7 @@ impl Link for Cable {
 
 /// A session under test.
 pub struct Rig {
-    pub control: Control<'static, Virtual>,
+    pub control: Control<Virtual>,
     pub far: Arc<Mutex<Far>>,
     opener: Opener,
     readers: Readers,
@@ -219,10 +219,10 @@ impl Rig {
         let (links, opener) = exchange();
         let (writer, dumps) = black_box();
         let (account, readers) = Account::new(writer);
-        let scene: &'static Scene = Box::leak(Box::new(Scene::new(scene).expect("a good scene")));
+        let engine = Scene::new(scene).and_then(|scene| scene.engine()).expect("a good scene");
         let settings = settings(ticks);
         let line = Line::new(wrap(Cable(Arc::clone(&far))), links);
-        let control = Control::new(settings, clock, line, scene.core().expect("a good scene"), account);
+        let control = Control::new(settings, clock, line, engine, account);
         Self { control, far, opener, readers, dumps, ticks: Vec::new(), device: None, faults: Vec::new(), told: Vec::new() }
     }
 

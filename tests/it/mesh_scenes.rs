@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use haptor_contact::{Pose, Quat, Vec3};
-use haptor_host::convert::Scene;
+use haptor_engine::Scene;
 use haptor_mesh::{DVec3, Mesh, tessellate, write_stl};
 use haptor_wire::scene_file::{decode_file, sections};
 use haptor_wire::{ObjectShape, ProbeShape};
@@ -70,7 +70,7 @@ fn a_mesh_scene_is_evaluated_baked_run_by_the_host_and_drawn() {
     assert!(moments.iter().all(|moment| (moment / 1.6e-4 - 1.0).abs() < 0.01), "{moments:?}");
 
     let scene = Scene::read(&file).unwrap();
-    let mut core = scene.core().unwrap();
+    let mut core = scene.engine().unwrap();
     let pressed = Pose::new(Vec3::new(0.0, 0.0, 0.119 - baked.place.p_wd[2]), Quat::IDENTITY);
     let felt = core.step(&pressed, 1.0e-3);
     assert!((felt.contact_force[2] / force - 1.0).abs() < 1.0e-3, "{felt:?}, eval {force} N");

@@ -6,7 +6,7 @@ use haptor_contact::{
     CouplingSpec, GuardSpec, Input, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Pose, ProbePart, ProbeShape,
     Quat, Scratch, State, Vec3, VirtualCoupling, step,
 };
-use haptor_host::convert::Scene;
+use haptor_engine::Scene;
 use haptor_host::link::{Link, mem};
 use haptor_host::rt::account::Account;
 use haptor_host::rt::blackbox::black_box;
@@ -153,13 +153,13 @@ fn round_trips_are_measured_for_every_command() {
 }
 
 /// A host on a link whose other end is the test.
-fn lonely(capacity: usize) -> (Control<'static, Virtual>, mem::MemLink) {
+fn lonely(capacity: usize) -> (Control<Virtual>, mem::MemLink) {
     let (host, device) = mem::pair(capacity);
     let (links, _) = exchange();
     let (account, _) = Account::new(black_box().0);
     let scene: &'static Scene = Box::leak(Box::new(Scene::new(&ball_on_cube()).unwrap()));
     let line = Line::new(Box::new(host), links);
-    (Control::new(settings(None), Virtual::default(), line, scene.core().unwrap(), account), device)
+    (Control::new(settings(None), Virtual::default(), line, scene.engine().unwrap(), account), device)
 }
 
 #[test]

@@ -12,26 +12,26 @@ use super::line::Line;
 use super::pace::Pace;
 use super::parts::{Memory, Settings};
 use super::stale::Output;
-use crate::convert::Core;
+use haptor_engine::OwnedEngine;
 
 /// Everything the real-time thread owns.
 #[derive(Debug)]
-pub struct Control<'a, C> {
+pub struct Control<C> {
     pub(super) settings: Settings,
     pub(super) clock: C,
     pub(super) pace: Pace,
     pub(super) line: Line,
     pub(super) handshake: Handshake,
-    pub(super) core: Core<'a>,
+    pub(super) engine: OwnedEngine,
     pub(super) output: Output,
     pub(super) faults: Faults,
     pub(super) account: Account,
     pub(super) memory: Memory,
 }
 
-impl<'a, C: Clock> Control<'a, C> {
+impl<C: Clock> Control<C> {
     /// A loop at rest, with all its memory; the first tick is due now.
-    pub fn new(settings: Settings, clock: C, line: Line, core: Core<'a>, account: Account) -> Self {
+    pub fn new(settings: Settings, clock: C, line: Line, engine: OwnedEngine, account: Account) -> Self {
         Self {
             pace: Pace::new(settings.follow, settings.period_ns(), &clock),
             handshake: Handshake::new(settings.period_us()),
@@ -41,7 +41,7 @@ impl<'a, C: Clock> Control<'a, C> {
             settings,
             clock,
             line,
-            core,
+            engine,
             account,
         }
     }

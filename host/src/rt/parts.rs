@@ -15,8 +15,7 @@ use super::handshake::Phase;
 use super::line::Arrivals;
 use super::pace::{Follow, Slot};
 use super::stale::{Offer, SMALL_FORCE, SMALL_TORQUE, Served, StaleRule};
-use crate::convert::{Felt, command, handle_pose};
-use crate::frames::DeviceBase;
+use haptor_engine::{DeviceBase, Felt, command, handle_pose};
 
 /// Time a device has to answer and to reach force mode \[s\]; after it the session ends before it began.
 const CONNECT_S: u64 = 3;
@@ -69,7 +68,7 @@ pub struct Memory {
     sent: bool,
 }
 
-impl<C: Clock> Control<'_, C> {
+impl<C: Clock> Control<C> {
     /// True when nothing is left to do.
     #[must_use]
     pub fn is_over(&self) -> bool {
@@ -132,7 +131,7 @@ impl<C: Clock> Control<'_, C> {
         let Some(device) = self.handshake.device() else { return };
         self.memory.session = Some((slot.tick, self.clock.now_ns()));
         // refused only when the device claims next to no force: then the core's own limits stand and the device clamps
-        let _ = self.core.fit(&device);
+        let _ = self.engine.fit(&device);
         self.output.open();
         self.account.begin(SessionHello {
             version: PROTOCOL_VERSION,
@@ -156,7 +155,7 @@ impl<C: Clock> Control<'_, C> {
         let since = self.memory.stepped_at.map_or(1, |at| slot.tick - at);
         let dt = (since as f64 / f64::from(self.settings.rate_hz)) as f32;
         let before_ns = self.clock.now_ns();
-        let felt = self.core.step(&x_dh, dt);
+        let felt = self.engine.step(&x_dh, dt);
         let took_ns = self.clock.now_ns() - before_ns;
         self.memory.note(pose, &felt, took_ns);
         self.memory.stepped_at = Some(slot.tick);
@@ -235,7 +234,7 @@ impl<C: Clock> Control<'_, C> {
     }
 }
 
-impl<C: Clock> Control<'_, C> {
+impl<C: Clock> Control<C> {
     /// Leaves the device without force and without a fault: a host that just went silent would trip its watchdog.
     pub(super) fn part(&mut self) {
         if self.mismatch().is_none() {

@@ -13,7 +13,7 @@
 
 use haptor_contact::Wrench;
 
-use crate::frames::DeviceBase;
+use haptor_engine::DeviceBase;
 
 /// Ticks without a fresh pose through which the last wrench is repeated: a late or lost report or three is normal on USB and TCP.
 pub const HOLD_TICKS: u32 = 4;

@@ -1,12 +1,9 @@
 //! Meshes as a file carries them: distance grid and samples, read from a section and borrowed by the core.
 
-use haptor_contact::{DistanceGrid, Invalid, MAX_PARTS, MeshShape, MeshSpec, SurfaceSample, Vec3};
+use haptor_contact::{DistanceGrid, Invalid, MeshShape, MeshSpec, SurfaceSample, Vec3};
 use haptor_wire::sections;
 
-use super::SceneError;
-
-/// Meshes of a file at most: an object and the parts of a probe.
-pub const MAX_GRIDS: usize = 1 + MAX_PARTS;
+use crate::error::SceneError;
 
 /// Numbers of a section before the coefficients.
 const HEAD: usize = 16;

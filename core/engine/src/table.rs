@@ -4,11 +4,11 @@ use haptor_contact::green::{BLOCK, Chart, Green, GreenSpec};
 use haptor_contact::{Invalid, Vec3};
 use haptor_wire::sections;
 
-use super::SceneError;
+use crate::error::SceneError;
 
 /// The body's own Green's function as a file carries it: made before the real-time thread starts, and locked in memory with the rest.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(crate) struct Table {
     chart: Chart,
     patch_radius: f32,
     /// Own moves, then the table.

@@ -1,0 +1,131 @@
+//! The running core: fitted to a device, stepped once a tick.
+
+use haptor_contact as contact;
+use haptor_contact::{
+    GuardSpec, Input, Invalid, Model, Params, ParamsSpec, Pose, ProbeFrame, Scratch, State, World, Wrench, step,
+};
+use haptor_wire as wire;
+use haptor_wire::DeviceHello;
+use haptor_wire::units::{un_to_newtons, unm_to_newton_metres};
+
+use crate::bodies::Bodies;
+use crate::frames::{DeviceBase, Handle};
+use crate::settings::{coupling_spec, guard_spec, lower_limits, tier_to_wire};
+use crate::setup::Setup;
+
+/// Patches that the core keeps in memory: as many as a probe may have parts.
+const PATCHES: usize = contact::MAX_PARTS;
+
+/// Samples per region for which there is memory. Four times the default; beyond, a step takes longer than a tick may.
+pub const SAMPLES: usize = 256;
+
+/// Time in which the guard lets the wrench go from zero to the device's limit \[s\]: fast for a hand, slow for a motor.
+const FULL_SCALE_S: f32 = 0.02;
+
+/// The contact core with its four kinds of data, and the device's place.
+#[derive(Debug)]
+pub struct Engine<'a> {
+    model: Model<'a>,
+    /// Limits and coupling that the scene asks for.
+    asked: (wire::GuardLimits, wire::Coupling),
+    pub(crate) spec: ParamsSpec,
+    params: Params,
+    state: State<PATCHES, SAMPLES, SAMPLES>,
+    scratch: Scratch<PATCHES>,
+    x_wd: Pose<World, DeviceBase>,
+}
+
+/// What a tick of the core felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// Wrench on the handle about its origin, after the guard: the contact's, with a virtual coupling the spring's and damper's.
+    pub wrench: Wrench<DeviceBase>,
+    /// Contact force on the probe, before the guard, in world \[N\].
+    pub contact_force: [f32; 3],
+    /// Contact torque on the probe about its mass centre, before the guard, in world \[N m\].
+    pub contact_torque: [f32; 3],
+    /// Regions in contact.
+    pub regions: u8,
+    /// Largest depth \[m\].
+    pub depth: f32,
+    /// Contact radius of the deepest region \[m\].
+    pub radius: f32,
+    /// Stuck share of the deepest region's area, 0 to 1.
+    pub stick: f32,
+    /// Tier used.
+    pub tier: wire::Tier,
+    /// The core's flags of this tick.
+    pub flags: u32,
+    /// A result was not finite; the wrench is zero.
+    pub non_finite: bool,
+    /// The core refused the pose: out of the world, or a jump no hand makes.
+    pub refused: bool,
+}
+
+impl<'a> Engine<'a> {
+    /// The core at rest, with all its memory.
+    ///
+    /// # Errors
+    /// [`Invalid`] names the first value that the core refuses.
+    pub fn new(setup: &Setup, bodies: &'a Bodies<'a>) -> Result<Self, Invalid> {
+        let (model, params) = setup.core(bodies)?;
+        let baked = setup.baked();
+        Ok(Self {
+            model,
+            asked: (baked.guard, baked.coupling),
+            spec: setup.params,
+            params,
+            state: State::new(),
+            scratch: Scratch::new(),
+            x_wd: setup.x_wd,
+        })
+    }
+
+    /// Sets the guard to what the device renders and the scene allows, the lower limit of each two, and fits what a scene with a virtual coupling
+    /// leaves open. A device without torque gets the guard's own limit: it says itself, in its reports, that it does not render what
+    /// it is asked for.
+    ///
+    /// # Errors
+    /// [`Invalid`] when the device claims to render no force, or less than a coupling can be fitted to; guard and coupling then stay as they were.
+    pub fn fit(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
+        let limit = |micro: u32| un_to_newtons(i32::try_from(micro).unwrap_or(i32::MAX));
+        let mut own = GuardSpec { max_force: limit(device.max_force_un), ..GuardSpec::default() };
+        own.max_force_rate = own.max_force / FULL_SCALE_S;
+        if device.max_torque_unm > 0 {
+            own.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
+            own.max_torque_rate = own.max_torque / FULL_SCALE_S;
+        }
+        let (guard, coupling) = &self.asked;
+        let guard = lower_limits(&guard_spec(guard), &own);
+        let spec = ParamsSpec { guard, coupling: coupling_spec(coupling, &own), ..self.spec };
+        self.params = Params::new(&spec)?;
+        self.spec = spec;
+        Ok(())
+    }
+
+    /// One tick of the core; `dt` since the previous one \[s\].
+    pub fn step(&mut self, x_dh: &Pose<DeviceBase, Handle>, dt: f32) -> Felt {
+        let x_hp = Pose::<Handle, ProbeFrame>::IDENTITY;
+        let x_wp = self.x_wd.then(x_dh).then(&x_hp);
+        let output = step(&self.model, &self.params, &mut self.state, &mut self.scratch, Input { pose: x_wp, dt });
+        let report = &output.report;
+        Felt {
+            wrench: self.in_device(&output.wrench),
+            contact_force: output.contact.force.to_array(),
+            contact_torque: output.contact.torque.to_array(),
+            regions: report.regions,
+            depth: report.depth,
+            radius: report.radius,
+            stick: report.stick,
+            tier: tier_to_wire(report.tier),
+            flags: report.flags.0,
+            non_finite: report.flags.contains(contact::Flags::NON_FINITE),
+            refused: report.flags.contains(contact::Flags::POSE_REFUSED),
+        }
+    }
+
+    fn in_device(&self, wrench: &Wrench<World>) -> Wrench<DeviceBase> {
+        let q_dw = self.x_wd.rotation.conjugate();
+        Wrench::new(q_dw * wrench.force, q_dw * wrench.torque)
+    }
+}
