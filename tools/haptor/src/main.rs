@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod command;
+mod config;
 mod doctor;
 mod failure;
 mod motion;

@@ -1,6 +1,8 @@
 //! The commands, one per file: its arguments, what it does, its messages.
 
 mod bake;
+mod completions;
+mod config;
 mod demo;
 mod devices;
 mod doctor;
@@ -12,6 +14,7 @@ mod trajectory;
 mod view;
 
 pub use eval::HEADER as EVAL_HEADER;
+pub use run::device as device_kind;
 
 use crate::failure::Outcome;
 
@@ -28,6 +31,8 @@ pub enum Command {
     Mesh(mesh::Args),
     Devices(devices::Args),
     Doctor(doctor::Args),
+    Config(config::Args),
+    Completions(completions::Args),
 }
 
 /// Runs one command.
@@ -43,5 +48,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Config(args) => config::run(&args),
+        Command::Completions(args) => completions::run(&args),
     }
 }

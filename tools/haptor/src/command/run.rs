@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use super::bake::bake;
+use crate::config::{self, Config};
 use crate::failure::{Failure, Outcome};
 use crate::output::unwritten;
 use crate::programs::{self, Child};
@@ -21,15 +22,20 @@ use crate::session::host::PATIENCE;
 pub struct Args {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; `haptor devices` lists what is there
+    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; `haptor devices` lists what is there [default: that of
+    /// `haptor config`]
     #[arg(long, value_parser = device)]
-    device: String,
-    /// Ticks per second [Hz], 100 to 8000
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]
-    rate: u32,
-    /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted
-    #[arg(long, default_value = "enforce", value_parser = ["enforce", "ignore"])]
-    rt: String,
+    device: Option<String>,
+    /// Ticks per second [Hz], 100 to 8000 [default: that of `haptor config`, or 1000]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(100..=8000))]
+    rate: Option<u32>,
+    /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted [default: that of `haptor
+    /// config`, or enforce]
+    #[arg(long, value_parser = ["enforce", "ignore"])]
+    rt: Option<String>,
+    /// What `--device sim` simulates [default: that of `haptor config`, or premium15]
+    #[arg(long, value_parser = ["premium15", "sigma7", "omega6", "touch"])]
+    preset: Option<String>,
     /// Length of the session [s]; until Ctrl-C when not given
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     seconds: Option<f64>,
@@ -38,22 +44,20 @@ pub struct Args {
     record: Option<PathBuf>,
 }
 
-/// What a simulated device is: the smallest that renders torque.
-const PRESET: &str = "premium15";
-
 /// How long a simulated device serves when no length is given \[s\]: some eleven days, what it takes at most.
 const LONGEST_S: f64 = 999_990.0;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
+    let chosen = Chosen::new(args, Config::load()?)?;
     let scene = Scene::load(&args.scene)?;
     let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
     let model = work.path().join("scene.model");
     bake(&scene, &args.scene.display().to_string(), &model)?;
-    let simulated = simulated(args)?;
-    let device = simulated.as_ref().map_or(args.device.clone(), |device| format!("serial:{}", device.port));
+    let simulated = simulated(&chosen, args.seconds)?;
+    let device = simulated.as_ref().map_or(chosen.device.clone(), |device| format!("serial:{}", device.port));
     let mut command = Command::new(programs::find(programs::HOST)?);
-    command.arg(&model).args(["--device", &device, "--rate", &args.rate.to_string(), "--rt", &args.rt]).arg(programs::TIED);
+    command.arg(&model).args(["--device", &device, "--rate", &chosen.rate.to_string(), "--rt", &chosen.rt]).arg(programs::TIED);
     if simulated.is_some() {
         command.args(PATIENCE);
     }
@@ -73,16 +77,40 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-fn simulated(args: &Args) -> Result<Option<SimulatedDevice>, Failure> {
-    if args.device != "sim" {
+/// What holds: the command line, then the configuration, then the defaults.
+struct Chosen {
+    device: String,
+    rate: u32,
+    rt: String,
+    preset: String,
+}
+
+impl Chosen {
+    fn new(args: &Args, config: Config) -> Result<Self, Failure> {
+        let device = args.device.clone().or(config.device).ok_or_else(|| {
+            Failure::bad_input(
+                "no device: give --device (`haptor devices` lists what is there), or name one in the file of `haptor config`",
+            )
+        })?;
+        Ok(Self {
+            device,
+            rate: args.rate.or(config.rate).unwrap_or(config::RATE),
+            rt: args.rt.clone().or(config.rt).unwrap_or_else(|| config::RT.to_owned()),
+            preset: args.preset.clone().or(config.preset).unwrap_or_else(|| config::PRESET.to_owned()),
+        })
+    }
+}
+
+fn simulated(chosen: &Chosen, seconds: Option<f64>) -> Result<Option<SimulatedDevice>, Failure> {
+    if chosen.device != "sim" {
         return Ok(None);
     }
-    let seconds = args.seconds.unwrap_or(LONGEST_S) + 10.0;
-    SimulatedDevice::start(PRESET, "press-twist-slide", seconds, &[]).map(Some)
+    let seconds = seconds.unwrap_or(LONGEST_S) + 10.0;
+    SimulatedDevice::start(&chosen.preset, "press-twist-slide", seconds, &[]).map(Some)
 }
 
 /// The host checks it fully; what it calls a device and this program another does not reach it.
-fn device(text: &str) -> Result<String, String> {
+pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
         ("sim", true) | ("usb", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),

@@ -16,7 +16,7 @@ use haptor_contact::{GuardSpec, Invalid, Model, ModelSpec, Params, ParamsSpec};
 
 pub use body::{Object, Probe};
 pub use document::SceneError;
-use document::{Document, Key, key};
+pub use document::{Document, Key, key};
 pub use settings::Extras;
 pub use skin::Skin;
 
