@@ -15,6 +15,7 @@ mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -49,12 +50,18 @@ enum Cli {
     /// Draws the pictures of the ready scenes anew: moments, force and torque over time
     #[command(after_help = "Example: cargo xtask pictures")]
     Pictures,
-    /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
-    #[command(after_help = "Example: cargo xtask docs --check")]
+    /// Checks that the documents tell the truth
+    #[command(after_help = "Example: cargo xtask docs --check\n         cargo xtask docs --run README.md")]
     Docs {
-        /// Only check, the one thing this does
-        #[arg(long, required = true)]
+        /// Commands and options exist, pictures are there, links lead somewhere
+        #[arg(long, required_unless_present = "run", conflicts_with = "run")]
         check: bool,
+        /// Run the shell examples with released programs, each document in a folder of its own
+        #[arg(long)]
+        run: bool,
+        /// Documents to run; all when none is named
+        #[arg(requires = "run")]
+        documents: Vec<PathBuf>,
     },
 }
 
@@ -66,6 +73,7 @@ fn main() -> ExitCode {
         Cli::Counts => counts::run(),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),
+        Cli::Docs { run: true, documents, .. } => docs::run_examples(&documents),
         Cli::Docs { .. } => docs::check(),
     };
     match done {
