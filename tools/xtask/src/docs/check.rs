@@ -50,7 +50,7 @@ fn check_text(path: &Path, text: &str, haptor: &Path) -> Vec<String> {
 }
 
 /// Targets of the line's links and pictures within the repository, without their anchors.
-fn links(line: &str) -> Vec<&str> {
+pub fn links(line: &str) -> Vec<&str> {
     let ends = line.match_indices("](").map(|(at, _)| &line[at + 2..]);
     let targets = ends.filter_map(|rest| rest.split(')').next());
     let outside = |target: &&str| !(target.contains("://") || target.starts_with('#') || target.is_empty());

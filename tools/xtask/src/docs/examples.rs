@@ -1,6 +1,7 @@
 //! The shell examples of the documents, run as a reader would: each document in an empty folder of its own in which `tests` leads to the
 //! repository's, one block after the other, with the released programs in the path. A block that needs a device, a window or minutes says so in its
-//! fence (```` ```sh no-run ````) and is only checked for commands and options that exist.
+//! fence (```` ```sh no-run ````) and is only checked for commands and options that exist. A picture that a document shows and its commands draw
+//! under the same name must come out the same, byte for byte.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -9,6 +10,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
+use super::check::links;
 use super::documents;
 use crate::demo;
 use crate::run::{root, target};
@@ -40,6 +42,8 @@ pub fn run(named: &[PathBuf]) -> Result<ExitCode> {
             ran += 1;
             wrong.extend(fault(&block, &folder, &programs)?.map(|what| format!("{}:{}: {what}", path.display(), block.line)));
         }
+        let other = other_pictures(path, &text, &folder);
+        wrong.extend(other.map(|picture| format!("{}: {picture} is not what its commands draw", path.display())));
     }
     if ran == 0 {
         bail!("there is no example to run");
@@ -86,6 +90,16 @@ fn fault(block: &Block<'_>, folder: &Path, programs: &Path) -> Result<Option<Str
     Ok(Some(format!("{}: {}", output.status, last.into_iter().rev().collect::<Vec<_>>().join(" | "))))
 }
 
+/// Pictures that the document shows and that its commands have drawn otherwise.
+fn other_pictures<'t>(path: &'t Path, text: &'t str, drawn: &'t Path) -> impl Iterator<Item = &'t str> {
+    let folder = path.parent().unwrap_or(root());
+    text.lines().flat_map(links).filter(|link| link.ends_with(".png")).filter(move |link| {
+        let shown = folder.join(link);
+        let drawn = shown.file_name().and_then(|name| fs::read(drawn.join(name)).ok());
+        drawn.is_some_and(|drawn| fs::read(&shown).ok() != Some(drawn))
+    })
+}
+
 /// The blocks of a document that are to be run. What is cargo's is run elsewhere and left out line by line.
 fn blocks(text: &str) -> Vec<Block<'_>> {
     let mut found = Vec::new();
@@ -113,6 +127,23 @@ mod tests {
         let text = "a\n```sh\none\ntwo\n```\n```rust\nlet x;\n```\n```sh no-run\nthree\n```\n```sh\nfour\n```\n";
         let expected = [Block { line: 3, commands: "one\ntwo\n" }, Block { line: 13, commands: "four\n" }];
         assert_eq!(blocks(text), expected);
+    }
+
+    #[test]
+    fn a_picture_that_comes_out_otherwise_is_told() {
+        let folder = std::env::temp_dir().join(format!("haptor-docs-{}", std::process::id()));
+        let (shown, drawn) = (folder.join("shown"), folder.join("drawn"));
+        for (path, bytes) in [(&shown, "ab"), (&drawn, "ac")] {
+            fs::create_dir_all(path).unwrap();
+            ["a.png", "b.png"]
+                .iter()
+                .zip(bytes.chars())
+                .for_each(|(name, byte)| fs::write(path.join(name), byte.to_string()).unwrap());
+        }
+        let document = folder.join("page.md");
+        let text = "![A](shown/a.png) and [b](shown/b.png), ![c](shown/c.png)";
+        assert_eq!(other_pictures(&document, text, &drawn).collect::<Vec<_>>(), ["shown/b.png"]);
+        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
