@@ -24,7 +24,11 @@
 //! | [`FaultRecord`] | host → tool, recording | a fault latches | 17 |
 //! | [`Summary`] | host → tool, recording | the session ends | 160 |
 //! | [`BakedScene`] | tool → host | a file, before the start | 917 |
-//! | [`RecordHeader`] | recording | its first frame | 29 |
+//! | [`RecordHeader`] | recording | its first frame | 39 |
+//! | [`Chunk`] | recording | behind it: text of the tables, the scene's file | 1032 |
+//! | [`Tuning`] | recording | the session begins, or somebody tunes | 129 |
+//! | [`Place`] | recording | the session begins, or somebody tares | 29 |
+//! | [`Event`] | recording | somebody freezes, stops, tares, marks | 12 |
 //! | [`TickRecord`] | recording | once a tick | 131 |
 //!
 //! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
@@ -42,6 +46,7 @@ extern crate std;
 mod cobs;
 pub mod decoder;
 pub mod device;
+pub mod digest;
 pub mod flags;
 pub mod frame;
 pub mod packet;
@@ -51,6 +56,7 @@ pub mod scene_file;
 pub mod schema;
 pub mod sections;
 pub mod status;
+pub mod tuning;
 pub mod units;
 
 #[cfg(test)]
@@ -66,10 +72,10 @@ mod type_text;
 
 pub use decoder::{DecodeCounts, StreamDecoder};
 pub use device::{DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice, WrenchCommand};
+pub use digest::Digest;
 pub use frame::{FrameError, decode_stream, encode_stream, stream_bound};
 pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
-pub use recording::{Damage, DamageCause, RecordReader};
-pub use recording::{Record, RecordHeader, TickRecord};
+pub use recording::{Chunk, Damage, DamageCause, Event, Record, RecordHeader, RecordReader, TickRecord, What};
 pub use scene::{
     BakedScene, Breakaway, Compliance, Coupling, Deformation, ForceLaw, GuardLimits, Inertia, ObjectShape, Passivity, Place,
     ProbePart, ProbeParts, ProbeShape, Tier, VirtualCoupling,
@@ -77,6 +83,7 @@ pub use scene::{
 pub use scene_file::SceneFileError;
 pub use schema::{PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version, check_tool_version};
 pub use status::{FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary};
+pub use tuning::Tuning;
 pub use units::{
     metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unit_to_q30,
     unm_to_newton_metres,

@@ -105,6 +105,17 @@ impl ser::SerializeTuple for Parts {
     }
 }
 
+impl ser::SerializeSeq for Parts {
+    type Ok = String;
+    type Error = NotInTheNotation;
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NotInTheNotation> {
+        ser::SerializeTuple::serialize_element(self, value)
+    }
+    fn end(self) -> Out {
+        Ok(format!("[{}]", self.text))
+    }
+}
+
 macro_rules! scalars {
     ($($method:ident $type:ty),*) => {
         $(fn $method(self, _: $type) -> Out {
@@ -116,7 +127,7 @@ macro_rules! scalars {
 impl Serializer for Text {
     type Ok = String;
     type Error = NotInTheNotation;
-    type SerializeSeq = Never;
+    type SerializeSeq = Parts;
     type SerializeTuple = Parts;
     type SerializeTupleStruct = Never;
     type SerializeTupleVariant = Never;
@@ -159,8 +170,8 @@ impl Serializer for Text {
         }
         Ok(format!("{case}({})", value.serialize(INNER)?))
     }
-    fn serialize_seq(self, _: Option<usize>) -> Result<Never, NotInTheNotation> {
-        Err(NotInTheNotation)
+    fn serialize_seq(self, _: Option<usize>) -> Result<Parts, NotInTheNotation> {
+        Ok(Parts::new("", true))
     }
     fn serialize_tuple(self, _: usize) -> Result<Parts, NotInTheNotation> {
         Ok(Parts::new("", true))
