@@ -4,6 +4,7 @@ mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
 mod bits;
+mod c_device;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;
@@ -31,6 +32,7 @@ mod profiles;
 mod region_limit;
 mod scene_errors;
 mod scenes;
+mod served;
 mod session;
 mod stability;
 mod state_room;
