@@ -4,6 +4,7 @@ mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
 mod bits;
+mod c_abi;
 mod c_device;
 #[path = "../support/cli.rs"]
 mod cli;
