@@ -45,13 +45,13 @@
 //! | [`RestBegin`] | viewer → host | rest points are to come | 6 |
 //! | [`RestPoints`] | viewer → host | they, in order | 3080 |
 //! | [`RestState`] | host → viewer | answers both | 13 |
-//! | [`Ask`] | viewer → host | a request | 17 |
+//! | [`Ask`] | viewer → host | a request | 135 |
 //! | [`Denied`] | host → viewer | it was not carried out, and why | 169 |
 //! | [`SceneNow`] | host → viewer | the scene that runs | 16 |
 //! | [`SceneBytes`] | host → viewer | its file, when asked for | 4119 |
 //! | [`Snapshot`] | host → viewer | every so many ticks | 1106 |
 //! | [`SurfaceBlock`] | host → viewer | with every so many snapshots | 2331 |
-//! | [`Statistics`] | host → viewer | every so many milliseconds | 206 |
+//! | [`Statistics`] | host → viewer | every so many milliseconds | 196 |
 //! | [`RecordBytes`] | host → viewer | a recording, while asked for | 4109 |
 //!
 //! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
