@@ -19,6 +19,7 @@ mod progress;
 mod scene;
 mod session;
 mod simulation;
+mod skins;
 mod surface;
 mod table;
 mod text;
