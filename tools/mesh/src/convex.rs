@@ -114,7 +114,7 @@ mod tests {
         assert!((2..=16).contains(&parts.len()), "{} parts", parts.len());
         let mut volume = 0.0;
         for part in &parts {
-            assert!(check(part).is_watertight() && !check(part).inside_out, "{:?}", check(part));
+            assert!(check(part).is_watertight() && check(part).inside_out == 0, "{:?}", check(part));
             assert!(concavity(part).unwrap() < 1e-6);
             volume += properties(part).unwrap().volume;
         }

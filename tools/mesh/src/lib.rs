@@ -11,10 +11,12 @@
 //! | `green` | the body's own Green's function for the core (feature `fem`) |
 //! | [`mod@bake`] | grid and samples as the core reads them, with the errors they have |
 //! | [`convex`] | how far a mesh is from convex; cutting it into convex parts |
+//! | [`crossing`] | triangles that run through each other |
 //! | [`distance`] | exact signed distance to a mesh |
-//! | [`mod@load`] | bounded reading of STL files |
+//! | [`mod@load`] | bounded reading of STL, OBJ and PLY files |
 //! | [`weld()`] | joins vertices that lie within a tolerance |
 //! | [`check()`] | watertight, manifold, oriented, free of slivers |
+//! | `pieces` | edges, what hangs together, which way it faces |
 //! | [`properties()`] | volume, mass centre, inertia |
 //! | [`samples`] | points spread over the surface, in progressive order |
 //! | [`save`] | binary STL |
@@ -26,6 +28,7 @@
 pub mod bake;
 pub mod check;
 pub mod convex;
+pub mod crossing;
 pub mod distance;
 #[cfg(feature = "fem")]
 pub mod fem;
@@ -33,6 +36,7 @@ pub mod fem;
 pub mod green;
 pub mod load;
 pub mod mesh;
+mod pieces;
 pub mod properties;
 pub mod samples;
 pub mod save;
@@ -42,8 +46,9 @@ pub mod weld;
 
 pub use bake::{BakeError, BakeSpec, Baked, DistanceError, bake};
 pub use check::{Findings, check};
+pub use crossing::{Crossings, crossings};
 pub use glam::{DMat3, DVec3};
-pub use load::{LoadError, load_stl, read_stl};
+pub use load::{LoadError, load_mesh, read_mesh};
 pub use mesh::Mesh;
 pub use properties::{Properties, properties};
 pub use save::write_stl;

@@ -25,19 +25,17 @@ pub fn write_stl(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Cursor;
-
     use glam::DVec3;
 
     use super::*;
-    use crate::{check, properties, read_stl, tessellate, weld};
+    use crate::{check, properties, read_mesh, tessellate, weld};
 
     #[test]
     fn what_is_written_reads_back_as_the_same_solid() {
         let mesh = tessellate::ellipsoid(DVec3::new(0.02, 0.03, 0.04), 48);
         let mut file = Vec::new();
         write_stl(&mesh, &mut file).unwrap();
-        let back = weld(&read_stl(&mut Cursor::new(file), 1.0).unwrap(), None);
+        let back = weld(&read_mesh(file, None, 1.0).unwrap(), None);
         assert!(check(&back).is_solid(), "{:?}", check(&back));
         assert_eq!(back.triangles.len(), mesh.triangles.len());
         let (one, other) = (properties(&mesh).unwrap().volume, properties(&back).unwrap().volume);

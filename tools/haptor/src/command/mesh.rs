@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use haptor_mesh::{DVec3, Findings, Mesh, Properties, check, load_stl, properties, tessellate, weld, write_stl};
+use haptor_mesh::{DVec3, Findings, Mesh, Properties, check, load_mesh, properties, tessellate, weld, write_stl};
 
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, say, unwritten};
@@ -93,7 +93,7 @@ impl Make {
 
 #[derive(Debug, clap::Args)]
 struct File {
-    /// Mesh file (STL, ASCII or binary)
+    /// Mesh file (STL, OBJ or PLY)
     file: PathBuf,
     /// Takes the file's unit to metres: 0.001 for millimetres
     #[arg(long, default_value_t = 1.0)]
@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> Outcome {
 
 fn examine(file: &File) -> Result<Examined, Failure> {
     let loaded =
-        load_stl(&file.file, file.scale).map_err(|error| Failure::bad_input(format!("{}: {error}", file.file.display())))?;
+        load_mesh(&file.file, file.scale).map_err(|error| Failure::bad_input(format!("{}: {error}", file.file.display())))?;
     let mesh = weld(&loaded, None);
     let (findings, properties) = (check(&mesh), properties(&mesh));
     Ok(Examined { mesh, findings, properties })

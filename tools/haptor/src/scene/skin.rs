@@ -7,12 +7,12 @@
 use haptor_contact::{Inertia, MAX_PARTS, MeshShape, Vec3};
 use haptor_mesh::bake::{about_mass_centre, on_its_base};
 use haptor_mesh::convex::{CONVEX, CutSpec, concavity, cut};
-use haptor_mesh::{BakeSpec, Baked, DVec3, Mesh, bake, check, load_stl, properties, weld};
+use haptor_mesh::{BakeSpec, Baked, DVec3, Mesh, bake, check, load_mesh, properties, weld};
 
 use super::document::{Key, SceneError, Section, key};
 use crate::progress;
 
-const FILE: Key = key("file", "the path of an STL file, relative to the scene", "\"part.stl\"");
+const FILE: Key = key("file", "the path of an STL, OBJ or PLY file, relative to the scene", "\"part.stl\"");
 const SCALE: Key = key("scale", "a number above 0 that takes the file's unit to metres", "0.001");
 
 /// Extents of a body along each axis \[m\]: those of the scene's other shapes.
@@ -97,7 +97,7 @@ fn solid(section: &Section<'_, '_>) -> Result<Mesh, SceneError> {
     if !(scale > 0.0 && scale.is_finite()) {
         return Err(section.error("scale", &format!("allowed is {}; correct the value", SCALE.allowed)));
     }
-    let loaded = load_stl(&path, f64::from(scale));
+    let loaded = load_mesh(&path, f64::from(scale));
     let mesh = weld(&loaded.map_err(|error| section.error("file", &error.to_string()))?, None);
     let problems = check(&mesh).problems();
     if !problems.is_empty() {
