@@ -25,6 +25,7 @@ mod host_rig;
 mod influence;
 mod invariance;
 mod link_faults;
+mod mesh_files;
 mod mesh_scenes;
 mod meshes;
 mod no_alloc;

@@ -1,5 +1,7 @@
 //! Is the mesh the skin of a solid? Counts of what is wrong, so that a message can say how much.
 
+use glam::DVec3;
+
 use crate::mesh::{Mesh, twice_area};
 use crate::pieces::{self, edges, sides};
 
@@ -68,7 +70,11 @@ pub fn check(mesh: &Mesh) -> Findings {
 }
 
 pub(crate) fn is_sliver(mesh: &Mesh, triangle: [u32; 3]) -> bool {
-    let [a, b, c] = mesh.corners(triangle);
+    flat(mesh.corners(triangle))
+}
+
+/// Has a triangle no usable normal?
+pub(crate) fn flat([a, b, c]: [DVec3; 3]) -> bool {
     let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     // written so that a triangle of no length counts as one
     twice_area([a, b, c]).length() <= SLIVER * longest
@@ -86,8 +92,6 @@ pub(crate) fn joined(one: &Mesh, other: &Mesh) -> Mesh {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::tessellate;
 
