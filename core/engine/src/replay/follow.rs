@@ -76,9 +76,8 @@ impl Follower {
     pub fn take(&mut self, engine: &mut Engine<'_>, record: &Record<'_>) -> Step {
         match record {
             Record::Device(hello) => {
-                let fitted = engine.fit_limits(hello.max_force_un, hello.max_torque_unm);
-                // the host goes on with the core's own limits too
-                let _ = fitted;
+                // where it cannot be fitted the core's own limits stand, as they did in the host
+                let _ = engine.fit_limits(hello.max_force_un, hello.max_torque_unm);
                 self.known[DEVICE] = true;
             }
             Record::Tuning(tuning) => self.know(TUNING, engine.tuned(tuning).map(|tuned| engine.tune(&tuned)).is_ok()),

@@ -9,6 +9,7 @@
 //!
 //! Nothing here allocates per tick.
 
+mod author;
 mod compare;
 mod follow;
 #[cfg(feature = "std")]
@@ -16,6 +17,10 @@ mod gather;
 #[cfg(feature = "std")]
 mod verify;
 
+#[cfg(all(test, feature = "std"))]
+mod tests;
+
+pub use author::answered;
 pub use compare::{Difference, Value, add_to_digest, compare};
 pub use follow::{Follower, Step, Unsure};
 #[cfg(feature = "std")]
