@@ -17,8 +17,23 @@ pub enum Address {
     Serial(PathBuf),
     /// `tcp:HOST:PORT`.
     Tcp(SocketAddr),
-    /// `usb` or `usb:SERIAL`; without a serial number the first device found.
-    Usb(Option<String>),
+    /// `usb` or `usb:SERIAL`, by the interrupt endpoints; `usb-bulk` or `usb-bulk:SERIAL` by the bulk ones.
+    Usb(UsbAddress),
+}
+
+/// A device on USB.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsbAddress {
+    /// Its serial number; without one, the only device there is.
+    pub serial: Option<String>,
+    /// By its bulk endpoints.
+    pub bulk: bool,
+}
+
+impl UsbAddress {
+    fn named(kind: &str, serial: &str) -> Self {
+        Self { serial: (!serial.is_empty()).then(|| serial.to_owned()), bulk: kind == "usb-bulk" }
+    }
 }
 
 impl Address {
@@ -40,9 +55,8 @@ impl FromStr for Address {
             ("serial", "") | ("tcp", "") => Err(format!("`{text}` lacks what follows `{kind}:`")),
             ("serial", path) => Ok(Self::Serial(path.into())),
             ("tcp", address) => resolve(address).map(Self::Tcp),
-            ("usb", "") => Ok(Self::Usb(None)),
-            ("usb", serial) => Ok(Self::Usb(Some(serial.to_owned()))),
-            _ => Err(format!("`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL")),
+            ("usb" | "usb-bulk", serial) => Ok(Self::Usb(UsbAddress::named(kind, serial))),
+            _ => Err(format!("`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL, usb-bulk, usb-bulk:SERIAL")),
         }
     }
 }
@@ -57,8 +71,10 @@ impl fmt::Display for Address {
         match self {
             Self::Serial(path) => write!(f, "serial:{}", path.display()),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
-            Self::Usb(None) => f.write_str("usb"),
-            Self::Usb(Some(serial)) => write!(f, "usb:{serial}"),
+            Self::Usb(UsbAddress { serial, bulk }) => {
+                f.write_str(if *bulk { "usb-bulk" } else { "usb" })?;
+                serial.iter().try_for_each(|serial| write!(f, ":{serial}"))
+            }
         }
     }
 }
@@ -73,7 +89,7 @@ pub fn open(address: &Address) -> Result<AnyLink, HostError> {
         Address::Serial(path) => Ok(Box::new(SerialLink::open(path).map_err(failed)?)),
         Address::Tcp(to) => Ok(Box::new(TcpLink::connect(*to).map_err(failed)?)),
         #[cfg(feature = "usb")]
-        Address::Usb(serial) => Ok(Box::new(super::usb::UsbLink::open(serial.as_deref()).map_err(failed)?)),
+        Address::Usb(usb) => Ok(Box::new(super::usb::UsbLink::open(usb.serial.as_deref(), usb.bulk).map_err(failed)?)),
         #[cfg(not(feature = "usb"))]
         Address::Usb(_) => Err(failed(std::io::Error::new(
             std::io::ErrorKind::Unsupported,
@@ -88,7 +104,7 @@ mod tests {
 
     #[test]
     fn addresses_read_as_they_print() {
-        for text in ["serial:/dev/ttyACM0", "tcp:127.0.0.1:4000", "usb", "usb:A17"] {
+        for text in ["serial:/dev/ttyACM0", "tcp:127.0.0.1:4000", "usb", "usb:A17", "usb-bulk", "usb-bulk:A17"] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
     }

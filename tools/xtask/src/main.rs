@@ -8,6 +8,7 @@ mod counts;
 mod demo;
 mod docs;
 mod golden;
+mod guest;
 mod m7;
 mod m7_image;
 mod pictures;
@@ -40,6 +41,19 @@ enum Cli {
     /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
     #[command(after_help = "Example: cargo xtask counts")]
     Counts,
+    /// Runs host and simulated device over USB on a real-time kernel in an emulator; with the drills, unplugs, halts and damages
+    #[command(after_help = "Example: cargo xtask guest --drills --seconds 3")]
+    Guest {
+        /// Length of the first session, in the guest's time
+        #[arg(long, default_value_t = 60.0, value_name = "S")]
+        seconds: f64,
+        /// Run the drills as well
+        #[arg(long)]
+        drills: bool,
+        /// Keep the tables in tests/guest/DRILLS.md
+        #[arg(long)]
+        accept: bool,
+    },
     /// Compares the curves of the ready scenes in every tier with those that are kept
     #[command(after_help = "Example: cargo xtask golden --accept")]
     Golden {
@@ -71,6 +85,7 @@ fn main() -> ExitCode {
         Cli::Ci => ci::run(),
         Cli::M7 => m7::run(),
         Cli::Counts => counts::run(),
+        Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),
         Cli::Docs { run: true, documents, .. } => docs::run_examples(&documents),

@@ -3,7 +3,7 @@
 //!
 //! A transfer that cannot be served yet is **parked**, as a device answers NAK until it can: towards the host until there is a packet, towards
 //! the device until the firmware has taken what came before. Packets that no transfer fetches wait in a short queue; the newest push out the
-//! oldest, so that a host that comes late reads what is, not what was.
+//! oldest, so that a host that comes late reads what is, not what was. Clearing a halt empties the queue: what is fetched next is new.
 
 use std::collections::VecDeque;
 
@@ -232,6 +232,7 @@ impl Gadget {
             // CLEAR_FEATURE, SET_FEATURE of an endpoint: halt
             (0x02, 1 | 3) if value_low == 0 => {
                 *self.halted(index_low)? = request == 3;
+                self.pairs.iter_mut().filter(|pair| pair.at.to_host == index_low).for_each(|pair| pair.to_host.clear());
                 Some(Vec::new())
             }
             _ => None,
@@ -336,8 +337,9 @@ mod tests {
         let clear = Submit { seq: 3, to_host: false, endpoint: 0, length: 0, setup: [2, 1, 0, 0, 0x81, 0, 0, 0] };
         gadget.request(&Request::Submit(clear), &[], &mut out);
         gadget.request(&submit(4, true, 1, 64), &[], &mut out);
+        gadget.send(&[2], &mut out);
         gadget.request(&submit(5, false, 1, 1), &[0], &mut out);
-        let expected = [(1, STALLED, vec![]), (2, STALLED, vec![]), (3, 0, vec![]), (4, 0, vec![1]), (5, STALLED, vec![])];
+        let expected = [(1, STALLED, vec![]), (2, STALLED, vec![]), (3, 0, vec![]), (4, 0, vec![2]), (5, STALLED, vec![])];
         assert_eq!(answers(&out, &[1, 2, 4]), expected);
     }
 
