@@ -144,7 +144,8 @@ fn unharmed(recording: &Recording, code: i32, bruised: bool) -> Result<String> {
     let bruises = summary.lost + summary.out_of_order + summary.rejected;
     ensure!(!bruised || bruises > 0, "nothing happened");
     ensure!(recording.ticks.iter().any(|tick| length(tick.force) > 3.0), "the hand did not press");
-    let counts = format!("{} lost, {} out of order, {} rejected, {held} held", summary.lost, summary.out_of_order, summary.rejected);
+    let counts =
+        format!("{} lost, {} out of order, {} rejected, {held} held", summary.lost, summary.out_of_order, summary.rejected);
     Ok(format!("none: {counts}|-|-|never stopped"))
 }
 

@@ -33,7 +33,8 @@ fn main() -> Result<()> {
     let folder = env::temp_dir();
     let model = folder.join("ball-on-cube.model");
     fs::write(&model, baked()?)?;
-    for (device, seconds) in [("usb:G1", seconds), ("usb-bulk:G1", seconds.min(10.0)), ("usb:G1 --pace clock", seconds.min(10.0))] {
+    for (device, seconds) in [("usb:G1", seconds), ("usb-bulk:G1", seconds.min(10.0)), ("usb:G1 --pace clock", seconds.min(10.0))]
+    {
         if let Err(error) = session(&model, device, seconds) {
             println!("@failed|{device}: {error:#}");
         }
@@ -58,7 +59,9 @@ fn session(model: &Path, device: &str, seconds: f64) -> Result<()> {
     let recording = Recording::read(&file)?;
     let summary = recording.summary.context("the recording has no end")?;
     let per_tick = instructions(end.ran_ns - begin.ran_ns) as f64 / (1000.0 * (end.uptime_s - begin.uptime_s));
-    let us = |q: Quantiles| format!("{:.0} / {:.0} / {:.0}", f64::from(q.p50) * 1e-3, f64::from(q.p99) * 1e-3, f64::from(q.max) * 1e-3);
+    let us = |q: Quantiles| {
+        format!("{:.0} / {:.0} / {:.0}", f64::from(q.p50) * 1e-3, f64::from(q.p99) * 1e-3, f64::from(q.max) * 1e-3)
+    };
     println!(
         "@session|{device}|{}|{}|{}|{}|{}|{}|{:.0}|{:.1}",
         summary.ticks,

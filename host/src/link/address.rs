@@ -56,7 +56,9 @@ impl FromStr for Address {
             ("serial", path) => Ok(Self::Serial(path.into())),
             ("tcp", address) => resolve(address).map(Self::Tcp),
             ("usb" | "usb-bulk", serial) => Ok(Self::Usb(UsbAddress::named(kind, serial))),
-            _ => Err(format!("`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL, usb-bulk, usb-bulk:SERIAL")),
+            _ => Err(format!(
+                "`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL, usb-bulk, usb-bulk:SERIAL"
+            )),
         }
     }
 }

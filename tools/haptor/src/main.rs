@@ -24,6 +24,7 @@ mod surface;
 mod table;
 mod text;
 mod trajectory;
+mod usb;
 
 use std::process::ExitCode;
 

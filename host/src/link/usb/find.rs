@@ -94,9 +94,10 @@ fn index(wanted: Option<&str>, serials: &[String], refused: Option<Error>) -> io
             Err(io::Error::new(io::ErrorKind::NotFound, format!("it is not plugged in; there are {}", list())))
         }
         ([], _) => Err(io::Error::new(io::ErrorKind::NotFound, "no haptor device is plugged in")),
-        (_, None) => {
-            Err(io::Error::new(io::ErrorKind::InvalidInput, format!("several haptor devices are plugged in; name one: {}", list())))
-        }
+        (_, None) => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            format!("several haptor devices are plugged in; name one: {}", list()),
+        )),
         (_, Some(serial)) => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
             format!("{} devices have the serial number {serial}; unplug all but one", at.len()),

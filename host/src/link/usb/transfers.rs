@@ -20,7 +20,8 @@ use std::time::{Duration, Instant};
 use haptor_wire::PACKET_BYTES;
 use haptor_wire::usb::Endpoints;
 use rusb::constants::{
-    LIBUSB_SUCCESS, LIBUSB_TRANSFER_CANCELLED, LIBUSB_TRANSFER_COMPLETED, LIBUSB_TRANSFER_TYPE_BULK, LIBUSB_TRANSFER_TYPE_INTERRUPT,
+    LIBUSB_SUCCESS, LIBUSB_TRANSFER_CANCELLED, LIBUSB_TRANSFER_COMPLETED, LIBUSB_TRANSFER_TYPE_BULK,
+    LIBUSB_TRANSFER_TYPE_INTERRUPT,
 };
 use rusb::{Context, DeviceHandle, UsbContext, ffi};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};

@@ -1,6 +1,5 @@
 //! `haptor devices`: what could be driven from this machine.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -8,6 +7,7 @@ use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::failure::Outcome;
 use crate::output::say;
+use crate::usb::{FOLDER, Plugged, plugged_in};
 
 /// Lists serial ports, USB devices and the devices that can be simulated.
 #[derive(Debug, clap::Args)]
@@ -35,12 +35,9 @@ const PRESETS: [Preset; 4] = [
     Preset { name: "touch", model: "Touch", max_force: 3.3, max_torque: 0.0 },
 ];
 
-/// Where Linux lists USB devices.
-const USB: &str = "/sys/bus/usb/devices";
-
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    let (serial, usb) = (serial(), usb(Path::new(USB)));
+    let (serial, usb) = (serial(), plugged_in(Path::new(FOLDER)).iter().map(usb).collect::<Vec<_>>());
     if args.json {
         let value = json!({ "serial": serial, "usb": usb, "simulated": PRESETS.iter().map(preset).collect::<Vec<_>>() });
         say(format_args!("{value:#}"));
@@ -48,7 +45,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     print(&serial, "serial ports", |port| format!("serial:{}  {}", text(port, "port"), text(port, "what")));
     print(&usb, "USB devices", |device| {
-        format!("{}:{}  {}", text(device, "vendor"), text(device, "product"), text(device, "name"))
+        let ours =
+            device.get("device").and_then(Value::as_str).map(|address| format!("  -> haptor run SCENE --device {address}"));
+        format!("{}:{}  {}{}", text(device, "vendor"), text(device, "product"), text(device, "name"), ours.unwrap_or_default())
     });
     say("simulated (haptor demo --preset NAME)");
     for Preset { name, model, max_force, max_torque } in PRESETS {
@@ -80,20 +79,11 @@ fn port(info: &SerialPortInfo) -> Value {
     json!({ "port": info.port_name, "what": what })
 }
 
-/// USB devices as the kernel lists them; hubs and hosts among them.
-fn usb(folder: &Path) -> Vec<Value> {
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let mut devices: Vec<_> = entries.flatten().filter_map(|entry| usb_device(&entry.path())).collect();
-    devices.sort_by_key(|(name, _)| name.clone());
-    devices.into_iter().map(|(_, device)| device).collect()
-}
-
-fn usb_device(path: &Path) -> Option<(String, Value)> {
-    let read = |name: &str| fs::read_to_string(path.join(name)).ok().map(|text| text.trim().to_owned());
-    let (vendor, product) = (read("idVendor")?, read("idProduct")?);
-    let name = [read("manufacturer"), read("product")].into_iter().flatten().collect::<Vec<_>>().join(" ");
-    let place = path.file_name()?.to_string_lossy().into_owned();
-    Some((place, json!({ "vendor": vendor, "product": product, "name": name, "serial": read("serial") })))
+/// `device` is what `--device` takes, and null when it is no haptor device.
+fn usb(usb: &Plugged) -> Value {
+    let Plugged { vendor, product, name, serial, .. } = usb;
+    let device = usb.is_haptor().then(|| usb.address());
+    json!({ "vendor": vendor, "product": product, "name": name, "serial": serial, "device": device })
 }
 
 fn print(list: &[Value], title: &str, line: impl Fn(&Value) -> String) {

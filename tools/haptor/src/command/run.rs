@@ -113,7 +113,7 @@ fn simulated(chosen: &Chosen, seconds: Option<f64>) -> Result<Option<SimulatedDe
 pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
-        ("sim", true) | ("usb", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
+        ("sim", true) | ("usb" | "usb-bulk", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
         _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT".to_owned()),
     }
 }
