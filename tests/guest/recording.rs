@@ -18,15 +18,15 @@ pub struct Recording {
 impl Recording {
     /// Reads a file; a damaged place in it is an error.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = fs::read(path).with_context(|| format!("{}", path.display()))?;
+        let mut bytes = fs::read(path).with_context(|| format!("{}", path.display()))?;
         let mut all = Self::default();
         let mut damaged = 0;
-        for record in RecordReader::new(&bytes) {
+        for record in RecordReader::new(&mut bytes) {
             match record {
-                Ok(Record::Header(_) | Record::Device(_)) => {}
                 Ok(Record::Tick(tick)) => all.ticks.push(tick),
                 Ok(Record::Fault(fault)) => all.faults.push(fault),
                 Ok(Record::End(summary)) => all.summary = Some(summary),
+                Ok(_) => {}
                 Err(_) => damaged += 1,
             }
         }

@@ -34,6 +34,7 @@ mod profiles;
 mod region_limit;
 mod scene_errors;
 mod scenes;
+mod serial;
 mod served;
 mod session;
 mod stability;

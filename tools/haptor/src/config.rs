@@ -26,13 +26,13 @@ pub const PRESET: &str = "premium15";
 /// What `config --init` writes: every key, commented out, with its default.
 pub const TEMPLATE: &str = "\
 # haptor: defaults of `haptor run` and `haptor record`. The command line goes before this file.
-# device = \"usb\"              # sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; none: must be given
+# device = \"usb\"              # sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; none: must be given
 # rate = 1000                 # ticks per second, 100 to 8000 Hz
 # rt = \"enforce\"              # enforce: refuse to start without real-time rights; ignore: take what is granted
 # preset = \"premium15\"        # what `--device sim` simulates: premium15, sigma7, omega6, touch
 ";
 
-const DEVICE: Key = key("device", "sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT", "\"usb\"");
+const DEVICE: Key = key("device", "sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT", "\"usb\"");
 const RATE_KEY: Key = key("rate", "100 to 8000 Hz", "1000");
 const RT_KEY: Key = key("rt", "enforce or ignore", "\"enforce\"");
 const PRESET_KEY: Key = key("preset", "premium15, sigma7, omega6 or touch", "\"premium15\"");
@@ -93,7 +93,7 @@ impl Config {
                 return Err(root.error("rate", "allowed is 100 to 8000 Hz"));
             }
             if config.device.as_deref().is_some_and(|device| crate::command::device_kind(device).is_err()) {
-                return Err(root.error("device", "allowed is sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT"));
+                return Err(root.error("device", "allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT"));
             }
             Ok(config)
         };

@@ -22,7 +22,7 @@ use crate::session::host::PATIENCE;
 pub struct Args {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; `haptor devices` lists what is there [default: that of
+    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there [default: that of
     /// `haptor config`]
     #[arg(long, value_parser = device)]
     device: Option<String>,
@@ -114,7 +114,7 @@ pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
         ("sim", true) | ("usb" | "usb-bulk", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
-        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT".to_owned()),
+        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
     }
 }
 

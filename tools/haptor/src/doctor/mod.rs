@@ -4,6 +4,7 @@
 //! Each check reads one thing of the system and judges it; nothing is changed. Only what keeps the project from running at all is
 //! a fail; what makes late ticks likelier is a warning.
 
+mod serial;
 mod system;
 mod timer;
 mod usb;
@@ -67,6 +68,7 @@ pub fn examine(soak: Option<u32>) -> Vec<Finding> {
         system::governor(),
         system::dma_latency(),
         usb::check(),
+        serial::latency(),
         program(programs::HOST),
         program(programs::FIRMWARE_SIM),
         timer::check(soak),

@@ -137,7 +137,8 @@ mod tests {
         assert!(pixels_like(&image, [214, 39, 40], 60) > 100, "the arrow of the force");
         let stop = &image.rgb[3 * (70 * SIZE[0] as usize + 30)..][..3];
         assert!(stop[0] > 150 && stop[1] < 60, "the e-stop is red, not {stop:?}");
-        let plain = shoot(Script::session(stage(), frames()), &[moment(0, &[]), moment(900, &[Action::Colours, Action::Colours])]);
+        let plain =
+            shoot(Script::session(stage(), frames()), &[moment(0, &[]), moment(900, &[Action::Colours, Action::Colours])]);
         assert!(pixels_like(&plain, MAKO[128], 30) < pixels_like(&image, MAKO[128], 30), "without a scale");
         assert_eq!(image, shoot(Script::session(stage(), frames()), &rest), "the same twice");
     }
@@ -158,7 +159,10 @@ mod tests {
         struct Silent;
         impl Source for Silent {
             fn poll(&mut self, _: Duration) -> crate::feed::News {
-                crate::feed::News { samples: vec![Sample { time: f64::NAN, ..Sample::default() }], ..crate::feed::News::default() }
+                crate::feed::News {
+                    samples: vec![Sample { time: f64::NAN, ..Sample::default() }],
+                    ..crate::feed::News::default()
+                }
             }
             fn send(&mut self, _: crate::feed::Command) {}
         }
