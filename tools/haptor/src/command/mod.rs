@@ -7,8 +7,11 @@ mod demo;
 mod devices;
 mod doctor;
 mod eval;
+mod export;
 mod mesh;
 mod plot;
+mod record;
+mod replay;
 mod run;
 mod trajectory;
 mod view;
@@ -25,6 +28,9 @@ pub enum Command {
     Demo(demo::Args),
     Bake(bake::Args),
     Run(run::Args),
+    Record(record::Args),
+    Replay(replay::Args),
+    Export(export::Args),
     View(view::Args),
     Plot(plot::Args),
     Trajectory(trajectory::Args),
@@ -42,6 +48,9 @@ pub fn run(command: Command) -> Outcome {
         Command::Demo(args) => demo::run(&args),
         Command::Bake(args) => bake::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),

@@ -1,6 +1,6 @@
 //! `haptor run`: bakes a scene and starts the real-time host with it; the host's own words pass through.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::bake::bake;
@@ -20,15 +20,26 @@ use crate::session::host::PATIENCE;
 #[command(after_help = "Example: haptor run tests/scenes/cube-twist.toml --device serial:/dev/ttyACM0 --rt enforce\n\
                         Without a device: haptor run tests/scenes/cube-twist.toml --device sim --rt ignore --seconds 5")]
 pub struct Args {
+    #[command(flatten)]
+    session: Session,
+    /// Recording to write
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+}
+
+/// A session with a device.
+#[derive(Debug, clap::Args)]
+pub struct Session {
     /// Scene file (TOML)
-    scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there [default: that of
+    pub scene: PathBuf,
+    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
+    /// [default: that of
     /// `haptor config`]
     #[arg(long, value_parser = device)]
     device: Option<String>,
     /// Ticks per second [Hz], 100 to 8000 [default: that of `haptor config`, or 1000]
     #[arg(long, value_parser = clap::value_parser!(u32).range(100..=8000))]
-    rate: Option<u32>,
+    pub rate: Option<u32>,
     /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted [default: that of `haptor
     /// config`, or enforce]
     #[arg(long, value_parser = ["enforce", "ignore"])]
@@ -39,9 +50,6 @@ pub struct Args {
     /// Length of the session [s]; until Ctrl-C when not given
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     seconds: Option<f64>,
-    /// Recording to write
-    #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
 }
 
 /// How long a simulated device serves when no length is given \[s\]: some eleven days, what it takes at most.
@@ -49,6 +57,11 @@ const LONGEST_S: f64 = 999_990.0;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
+    start(&args.session, args.record.as_deref())
+}
+
+/// Runs a session to its end, recording it where asked.
+pub fn start(args: &Session, record: Option<&Path>) -> Outcome {
     let chosen = Chosen::new(args, Config::load()?)?;
     let scene = Scene::load(&args.scene)?;
     let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
@@ -64,7 +77,7 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(seconds) = args.seconds {
         command.args(["--seconds", &seconds.to_string()]);
     }
-    if let Some(record) = &args.record {
+    if let Some(record) = record {
         command.arg("--record").arg(record);
     }
     let interrupted = programs::note_interrupts()?;
@@ -86,7 +99,7 @@ struct Chosen {
 }
 
 impl Chosen {
-    fn new(args: &Args, config: Config) -> Result<Self, Failure> {
+    fn new(args: &Session, config: Config) -> Result<Self, Failure> {
         let device = args.device.clone().or(config.device).ok_or_else(|| {
             Failure::bad_input(
                 "no device: give --device (`haptor devices` lists what is there), or name one in the file of `haptor config`",
