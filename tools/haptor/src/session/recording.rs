@@ -4,6 +4,7 @@ use std::path::Path;
 
 use haptor_engine::Scene;
 use haptor_engine::replay::{Gather, NoScene};
+use haptor_mesh::Mesh;
 use haptor_wire::recording::written_by;
 use haptor_wire::{
     BakedScene, Damage, FaultRecord, HostFault, Place, Record, RecordHeader, RecordReader, SessionHello, Summary, TickRecord,
@@ -11,6 +12,7 @@ use haptor_wire::{
 };
 
 use crate::failure::Failure;
+use crate::skins;
 
 /// What a recording holds.
 #[derive(Debug, Default)]
@@ -19,6 +21,8 @@ pub struct Recording {
     pub header: Option<RecordHeader>,
     /// The scenes, in order, each with the header that names it.
     pub scenes: Vec<(RecordHeader, Result<Box<Scene>, NoScene>)>,
+    /// The meshes to look at that each scene's file carries.
+    pub skins: Vec<Vec<Mesh>>,
     /// The device, when one was there.
     pub device: Option<SessionHello>,
     /// Ticks in order.
@@ -97,7 +101,10 @@ impl Recording {
     }
 
     fn leave_scene(&mut self, gather: Option<(RecordHeader, Gather)>) {
-        self.scenes.extend(gather.map(|(header, gather)| (header, gather.scene().map(Box::new))));
+        let Some((header, gather)) = gather else { return };
+        // what is damaged in them, the scene says
+        self.skins.push(skins::read(gather.file()).unwrap_or_default());
+        self.scenes.push((header, gather.scene().map(Box::new)));
     }
 
     fn note(&mut self, what: Happening) {

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use haptor_contact::{PatchReport, Vec3, patch_report};
+use haptor_contact::{PatchReport, Pose, ProbeFrame, Vec3, World, patch_report};
 use haptor_engine::replay::{Follower, Step, Unsure, compare};
 use haptor_engine::{Felt, Kept, OwnedEngine};
 use haptor_wire::{Deformation, Record, TickRecord};
@@ -61,6 +61,8 @@ pub struct Moment {
     pub felt: Option<Felt>,
     /// Whether the one can be held against the other.
     pub sure: Result<(), Unsure>,
+    /// Where the probe was; `None` before the first pose.
+    pub pose: Option<Pose<World, ProbeFrame>>,
     /// The patches in contact, oldest first: centre, normal, radius, stuck share, force, torque.
     pub patches: Vec<PatchReport>,
     /// How far the surface moves at each patch's centre \[m\].
@@ -89,6 +91,11 @@ impl Player {
         player
     }
 
+    /// What is played.
+    pub const fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
     /// The tick of that index; `None` beyond the last, or where there is no scene to compute it.
     pub fn at(&mut self, index: usize) -> Option<Moment> {
         let record = *self.recording.ticks.get(index)?;
@@ -98,11 +105,12 @@ impl Player {
             Step::Felt(felt, sure) => (Some(felt), sure),
             Step::Noted | Step::Idle => (None, Ok(())),
         };
-        let patches: Vec<_> = self.engines[scene].as_ref()?.get().patches().iter().map(patch_report).collect();
+        let engine = self.engines[scene].as_ref()?.get();
+        let (pose, patches) = (engine.probe_pose(), engine.patches().iter().map(patch_report).collect::<Vec<_>>());
         let centres: Vec<_> = patches.iter().map(|patch| patch.centre).collect();
         let mut moved = vec![Vec3::ZERO; centres.len()];
         self.displacement(&centres, &mut moved);
-        Some(Moment { record, felt, sure, patches, moved })
+        Some(Moment { record, felt, sure, pose, patches, moved })
     }
 
     /// Displacements \[m\], in world, of points of the undeformed surface at the tick that was last asked for; zero where nothing moves.
@@ -230,6 +238,6 @@ impl Moment {
 }
 
 /// Radius of the disc that has the stuck share of the contact's area \[m\].
-fn stick_radius(patch: &PatchReport) -> f32 {
+pub fn stick_radius(patch: &PatchReport) -> f32 {
     patch.radius * patch.stick.max(0.0).sqrt()
 }
