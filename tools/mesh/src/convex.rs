@@ -11,6 +11,7 @@ use parry3d_f64::transformation::{try_convex_hull, vhacd};
 use crate::check::flat;
 use crate::distance::{Distance, to_tree};
 use crate::mesh::{Mesh, twice_area};
+use crate::repair::{MendSpec, mend};
 use crate::samples::places_by_area;
 
 /// Concavity below which a mesh is taken as convex: facets and rounding of a file, not a hollow.
@@ -118,10 +119,15 @@ const ASKED: usize = 16_384;
 /// Most vertices that are asked, evenly thinned where there are more: a second's work.
 const ASKED_VERTICES: usize = 262_144;
 
+/// A hull without flat triangles, which its maker leaves where many points lie in a plane.
+fn sound_hull(mesh: &Mesh) -> Option<Mesh> {
+    hull(mesh).map(|hull| mend(&hull, &MendSpec::default()).0)
+}
+
 /// Cuts a solid mesh into convex parts, each closed and outside out; a convex one stays whole. Empty where it has no volume.
 pub fn cut(mesh: &Mesh, spec: &CutSpec) -> Vec<Mesh> {
     if hollow(mesh).is_some_and(|found| found.is_convex()) {
-        return hull(mesh).into_iter().collect();
+        return sound_hull(mesh).into_iter().collect();
     }
     let points: Vec<_> = mesh.vertices.iter().map(|&v| to_tree(v)).collect();
     let parameters = vhacd::VHACDParameters {
@@ -134,7 +140,7 @@ pub fn cut(mesh: &Mesh, spec: &CutSpec) -> Vec<Mesh> {
     };
     let parts = vhacd::VHACD::decompose(&parameters, &points, &mesh.triangles, true);
     let as_mesh = |(vertices, _): (Vec<parry3d_f64::math::Vector>, Vec<[u32; 3]>)| {
-        hull(&Mesh { vertices: vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect(), triangles: Vec::new() })
+        sound_hull(&Mesh { vertices: vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect(), triangles: Vec::new() })
     };
     parts.compute_exact_convex_hulls(&points, &mesh.triangles).into_iter().filter_map(as_mesh).collect()
 }
