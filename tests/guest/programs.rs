@@ -90,11 +90,19 @@ pub struct Host {
 impl Host {
     /// Starts a session; `device` may be followed by further arguments.
     pub fn start(model: &Path, device: &str, seconds: f64, record: &Path) -> Result<Self> {
+        Self::start_with(model, device, seconds, record, None)
+    }
+
+    /// The same with a library loaded before all others.
+    pub fn start_with(model: &Path, device: &str, seconds: f64, record: &Path, preload: Option<&str>) -> Result<Self> {
         let _ = fs::remove_file(record);
         let _ = fs::remove_file(black_box(record));
         let said = File::create(record.with_extension("said"))?;
         let mut command = Command::new("/bin/haptor-host");
         command.arg(model).arg("--device").args(device.split(' ')).args(["--rt", "enforce", "--seconds", &seconds.to_string()]);
+        if let Some(library) = preload {
+            command.env("LD_PRELOAD", library);
+        }
         let child = command.arg("--record").arg(record).stdin(Stdio::null()).stdout(Stdio::null()).stderr(said).spawn()?;
         Ok(Self { child, seconds })
     }
