@@ -79,7 +79,8 @@ mod tests {
             TickRecord { tick, force, flags, ..TickRecord::default() }
         });
         let summary = Summary { fault: Some(fault.cause), ..Summary::default() };
-        let mut recording = Recording { ticks: ticks.collect(), faults: vec![fault], summary: Some(summary) };
+        let mut recording =
+            Recording { ticks: ticks.collect(), faults: vec![fault], summary: Some(summary), ..Recording::default() };
         change(&mut recording);
         recording
     }
@@ -92,9 +93,12 @@ mod tests {
         assert_eq!(fault(&never_back, 1_100).unwrap().recovered, None);
     }
 
+    /// What is done to a good session.
+    type Change = fn(&mut Recording);
+
     #[test]
     fn each_broken_rule_is_named() {
-        let table: [(&str, fn(&mut Recording)); 7] = [
+        let table: [(&str, Change); 7] = [
             ("no fault", |r| r.faults.clear()),
             ("before the drill", |r| r.faults[0].tick = 1_000),
             ("latched is", |r| r.summary = Some(Summary::default())),

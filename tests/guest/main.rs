@@ -7,6 +7,7 @@
 
 mod drills;
 mod judge;
+mod openings;
 mod programs;
 mod recording;
 
@@ -21,7 +22,7 @@ use haptor_wire::{
     Quantiles, Tier,
 };
 
-use programs::{Host, Sim, instructions};
+use programs::{Host, Options, Sim, instructions};
 use recording::Recording;
 
 /// Share of a session after which the real-time thread's account is opened; its end is a second before the session's.
@@ -53,6 +54,7 @@ fn main() -> Result<()> {
     }
     if args.next().is_some() {
         drills::run(&model);
+        openings::run(&model);
     }
     println!("@end");
     Ok(())
@@ -95,8 +97,9 @@ fn session(model: &Path, device: &str, seconds: f64) -> Result<()> {
 fn allocations(model: &Path) -> Result<f64> {
     let _sim = Sim::start(&["--script", "press"])?;
     let file = PathBuf::from("/tmp/counted.haptor");
+    let counted = Options { preload: Some(COUNTER), ..Options::default() };
     let count = |seconds: f64| -> Result<f64> {
-        let code = Host::start_with(model, "usb:G1", seconds, &file, Some(COUNTER))?.end()?;
+        let code = Host::start_with(model, "usb:G1", seconds, &file, counted)?.end()?;
         let said = programs::said(&file);
         let count = said.lines().find_map(|line| line.strip_prefix("allocations real-time "));
         ensure!(code == 0, "ended with {code}: {said}");
