@@ -301,7 +301,8 @@ fn the_mesh_scenes_are_felt_as_their_primitives() {
 fn the_organ_is_pressed_and_baked_for_the_host() {
     let rows = felt("organ", "organ");
     assert!(rows.iter().flatten().all(|value| value.is_finite()));
-    assert!((0.5..50.0).contains(&largest(&rows, 2)) && largest(&rows, 5) > 1e-3, "{} N", largest(&rows, 2));
+    // Hertz for a ball of 8 mm 3 mm into a half space of the same tissue: 0.26 N
+    assert!((0.2..0.3).contains(&largest(&rows, 2)) && largest(&rows, 5) > 1e-5, "{} N", largest(&rows, 2));
     let folder = Folder::new();
     let scene = root().join("tests/scenes/organ.toml");
     folder.good(&["bake", scene.to_str().unwrap(), "-o", "organ.model"]);
