@@ -4,6 +4,7 @@
 //! the device's own ticks until bytes come. Drills change what the link does, as the same things happen to cables.
 
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
@@ -182,6 +183,8 @@ pub struct Rig {
     opener: Opener,
     readers: Readers,
     pub dumps: BlackBoxReader,
+    /// Everything recorded so far.
+    pub records: Vec<Record<'static>>,
     /// Every tick recorded so far.
     pub ticks: Vec<TickRecord>,
     /// The device recorded.
@@ -234,6 +237,7 @@ impl Rig {
             opener,
             readers,
             dumps,
+            records: Vec::new(),
             ticks: Vec::new(),
             device: None,
             faults: Vec::new(),
@@ -254,6 +258,7 @@ impl Rig {
     /// Takes what the queues hold.
     pub fn collect(&mut self) {
         while let Ok(record) = self.readers.records.pop() {
+            self.records.push(record);
             match record {
                 Record::Tick(tick) => self.ticks.push(tick),
                 Record::Fault(fault) => self.faults.push(fault),
@@ -280,6 +285,11 @@ impl Rig {
         self.far().plug_in();
         let link: AnyLink = Box::new(Cable(Arc::clone(&self.far)));
         self.opener.fresh.push(link).expect("room for a link");
+    }
+
+    /// Set to ask for a rest, as the recorder does.
+    pub fn rest_wanted(&self) -> &AtomicBool {
+        &self.readers.rest_wanted
     }
 
     pub fn summary(&self) -> Summary {

@@ -29,7 +29,10 @@ pub fn show(context: &egui::Context, open: &mut bool) {
         ui.horizontal_top(|ui| {
             for (number, parts) in COLUMNS.iter().enumerate() {
                 ui.add_space(if number > 0 { 28.0 } else { 0.0 });
-                Grid::new(number).num_columns(2).spacing(vec2(20.0, 4.0)).show(ui, |ui| parts.iter().for_each(|part| show_part(ui, part)));
+                Grid::new(number)
+                    .num_columns(2)
+                    .spacing(vec2(20.0, 4.0))
+                    .show(ui, |ui| parts.iter().for_each(|part| show_part(ui, part)));
             }
         });
     });

@@ -83,8 +83,7 @@ fn sheets(app: &App) -> Vec<Sheet> {
     ]
     .map(|(quantity, channel, quiet)| quantity.unit(largest(app, channel).max(quiet)));
     let budget = app.scene.stage().map(|stage| stage.step_budget_us).filter(|budget| *budget > 0.0);
-    let sheet =
-        |title, unit: Unit, curves| Sheet { title, unit: unit.name, per_si: unit.per_si, curves, limit: None };
+    let sheet = |title, unit: Unit, curves| Sheet { title, unit: unit.name, per_si: unit.per_si, curves, limit: None };
     vec![
         sheet("Force", force, axes(Channel::Force, Channel::ForceNorm)),
         sheet("Torque", torque, axes(Channel::Torque, Channel::TorqueNorm)),
