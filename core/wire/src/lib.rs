@@ -27,8 +27,31 @@
 //! | [`RecordHeader`] | recording | its first frame | 29 |
 //! | [`TickRecord`] | recording | once a tick | 131 |
 //!
+//! Viewer link (programs that look on and steer, over TCP or a Unix socket; [`viewer`], in prose `VIEWER.md`):
+//!
+//! | message | direction | when | bytes at most |
+//! |---|---|---|---|
+//! | [`ViewerHello`] | viewer → host | first | 41 |
+//! | [`Refusal`] | host → viewer | last, when the host closes | 10 |
+//! | [`Welcome`] | host → viewer | answers `ViewerHello` | 30 |
+//! | [`Subscription`] | viewer → host | what it wants to see | 16 |
+//! | [`UploadBegin`] | viewer → host | a model is to come, or to be gone on with | 16 |
+//! | [`UploadChunk`] | viewer → host | bytes of it, in order | 4114 |
+//! | [`UploadState`] | host → viewer | answers both | 23 |
+//! | [`RestBegin`] | viewer → host | rest points are to come | 6 |
+//! | [`RestPoints`] | viewer → host | they, in order | 3080 |
+//! | [`RestState`] | host → viewer | answers both | 13 |
+//! | [`Ask`] | viewer → host | a request | 17 |
+//! | [`Denied`] | host → viewer | it was not carried out, and why | 169 |
+//! | [`SceneNow`] | host → viewer | the scene that runs | 16 |
+//! | [`SceneBytes`] | host → viewer | its file, when asked for | 4119 |
+//! | [`Snapshot`] | host → viewer | every so many ticks | 1106 |
+//! | [`SurfaceBlock`] | host → viewer | with every so many snapshots | 2331 |
+//! | [`Statistics`] | host → viewer | every so many milliseconds | 206 |
+//! | [`RecordBytes`] | host → viewer | a recording, while asked for | 4109 |
+//!
 //! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
-//! at most 6 to a message shorter than 250 bytes, a packet 5. Every figure is a constant (`MAX_ENCODED`) held by a test.
+//! at most 6 to a message shorter than 250 bytes and one more per 254 to a longer one, a packet 5. Every figure is a constant (`MAX_ENCODED`) held by a test.
 //! Nothing here allocates, reads a clock or can panic on any input. Frames are single letters: `w` world, `d` device base,
 //! `h` handle, `p` probe. Units are SI unless the name says otherwise (`_nm` nanometre, `_un` micronewton, `_unm`
 //! micronewton metre, `_q30` multiples of 2^-30, `_us`, `_ns`).
@@ -52,6 +75,8 @@ pub mod schema;
 pub mod sections;
 pub mod status;
 pub mod units;
+pub mod viewer;
+pub mod viewer_look;
 
 #[cfg(test)]
 mod decoder_tests;
@@ -63,6 +88,8 @@ mod samples;
 mod table_tests;
 #[cfg(test)]
 mod type_text;
+#[cfg(test)]
+mod viewer_tests;
 
 pub use decoder::{DecodeCounts, StreamDecoder};
 pub use device::{DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice, WrenchCommand};
@@ -75,9 +102,17 @@ pub use scene::{
     ProbePart, ProbeParts, ProbeShape, Tier, VirtualCoupling,
 };
 pub use scene_file::SceneFileError;
-pub use schema::{PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VersionMismatch, check_device_version, check_tool_version};
+pub use schema::{
+    PROTOCOL_VERSION, SCHEMA_HASH, TOOL_SCHEMA_HASH, VIEWER_SCHEMA_HASH, VersionMismatch, check_device_version,
+    check_tool_version, check_viewer_version,
+};
 pub use status::{FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary};
 pub use units::{
     metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unit_to_q30,
     unm_to_newton_metres,
 };
+pub use viewer::{
+    Ask, Denial, Denied, FromViewer, Limits, RecordBytes, Refusal, RefusalCause, RestBegin, RestPoints, RestState, SceneBytes,
+    SceneNow, Subscription, ToViewer, UploadBegin, UploadChunk, UploadState, ViewerHello, Welcome, Wish,
+};
+pub use viewer_look::{OutputState, PatchLook, Snapshot, Statistics, SurfaceBlock};

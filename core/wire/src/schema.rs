@@ -4,7 +4,7 @@
 //! raised by hand; the fingerprint is the CRC-32 of the canonical text below and catches the change that somebody forgot to
 //! announce. A test prints every message type in the same notation, from the types themselves, and compares.
 //!
-//! Notation: `Name{field:type,...}`; `[type;n]` an array; `?type` an option; an enum's cases in order, parted by `|`, with what
+//! Notation: `Name{field:type,...}`; `[type;n]` an array; `[type;<=n]` a list of at most n; `?type` an option; an enum's cases in order, parted by `|`, with what
 //! each carries. Order is meaning: postcard writes fields in order and an enum's case by its place.
 
 use core::fmt;
@@ -19,6 +19,14 @@ pub const SCHEMA_HASH: u32 = CRC32.checksum(DEVICE_TABLE.as_bytes());
 
 /// Fingerprint of the tool link and the files: CRC-32 of [`TOOL_TABLE`].
 pub const TOOL_SCHEMA_HASH: u32 = CRC32.checksum(TOOL_TABLE.as_bytes());
+
+/// Fingerprint of the viewer link: CRC-32 of [`VIEWER_TABLE`] and, since models and recordings travel on it, [`TOOL_TABLE`].
+pub const VIEWER_SCHEMA_HASH: u32 = {
+    let mut digest = CRC32.digest();
+    digest.update(VIEWER_TABLE.as_bytes());
+    digest.update(TOOL_TABLE.as_bytes());
+    digest.finalize()
+};
 
 /// The device link in canonical text.
 pub const DEVICE_TABLE: &str = "\
@@ -63,6 +71,36 @@ Passivity{max_damping:f32,max_spin_damping:f32,allowance:f32,reserve:f32,delay_t
 Place{p_wd:[f32;3],q_wd:[f32;4]}\n\
 ";
 
+/// The viewer link in canonical text; what is not here is in [`DEVICE_TABLE`] and [`TOOL_TABLE`].
+pub const VIEWER_TABLE: &str = "\
+FromViewer=Hello(ViewerHello)|Subscribe(Subscription)|UploadBegin(UploadBegin)|UploadChunk(UploadChunk)|RestBegin(RestBegin)|RestPoints(RestPoints)|Ask(Ask)|Ping(u32)\n\
+ToViewer=Refused(Refusal)|Welcome(Welcome)|Device(SessionHello)|Scene(SceneNow)|Upload(UploadState)|Rest(RestState)|Done(u32)|Denied(Denied)|Snapshot(Snapshot)|Surface(SurfaceBlock)|Statistics(Statistics)|Fault(FaultRecord)|SceneBytes(SceneBytes)|RecordBytes(RecordBytes)|Pong(u32)|End(Summary)\n\
+ViewerHello{version:u16,schema:u32,token:[u8;32]}\n\
+Refusal{version:u16,schema:u32,why:RefusalCause}\n\
+RefusalCause=Version|Token|TooMany|Order|Silent|Idle|Garbage|Stuck\n\
+Welcome{version:u16,schema:u32,rate_hz:u32,limits:Limits}\n\
+Limits{viewers:u8,model_bytes:u32,rest_points:u32,idle_ms:u32}\n\
+Subscription{every:u32,surface:u32,statistics_ms:u32}\n\
+UploadBegin{digest:u64,length:u32}\n\
+UploadChunk{digest:u64,offset:u32,bytes:[u8;<=4096]}\n\
+UploadState{digest:u64,have:u32,of:u32,why:?Denial}\n\
+RestBegin{count:u32}\n\
+RestPoints{offset:u32,points:[[f32;3];<=256]}\n\
+RestState{have:u32,of:u32,why:?Denial}\n\
+Ask{number:u32,what:Wish}\n\
+Wish=Activate(u64)|Freeze(bool)|Tare|EStop|Rearm|Record(bool)|Download\n\
+Denied{number:u32,why:Denial,words:[u8;<=160]}\n\
+Denial=NoModel|Digest|Scene|Value|InContact|NoSession|Stopped|NotStopped|Frozen|Busy|TooLarge|NoRoom|OutOfOrder|Recording|NotRecording\n\
+SceneNow{digest:u64,length:u32}\n\
+SceneBytes{digest:u64,offset:u32,of:u32,bytes:[u8;<=4096]}\n\
+RecordBytes{offset:u64,bytes:[u8;<=4096]}\n\
+Snapshot{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],contact_force:[f32;3],contact_torque:[f32;3],sent_force:[f32;3],sent_torque:[f32;3],patches:[PatchLook;<=16],depth:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32,in_time_permille:u16,mode:Mode,output:OutputState,fault:?HostFault}\n\
+PatchLook{region:u8,centre:[f32;3],normal:[f32;3],radius:f32,stick_radius:f32,force:[f32;3],torque:[f32;3],depth:f32}\n\
+OutputState=Closed|Open|Frozen|Stopped\n\
+SurfaceBlock{tick:u64,of:u32,offset:u32,step:f32,moved:[[i16;3];<=256]}\n\
+Statistics{session:Summary,viewers:u8,sent:u64,dropped:u64,missed:u64,record_dropped:u64,rejected:u32}\n\
+";
+
 /// Host and device, or tool and host, were built from different tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VersionMismatch {
@@ -102,6 +140,14 @@ pub const fn check_device_version(version: u16, schema: u32) -> Result<(), Versi
 /// [`VersionMismatch`] with both versions and both fingerprints.
 pub const fn check_tool_version(version: u16, schema: u32) -> Result<(), VersionMismatch> {
     check(version, schema, TOOL_SCHEMA_HASH)
+}
+
+/// Compares what a viewer said in its hello, or a host in its welcome.
+///
+/// # Errors
+/// [`VersionMismatch`] with both versions and both fingerprints.
+pub const fn check_viewer_version(version: u16, schema: u32) -> Result<(), VersionMismatch> {
+    check(version, schema, VIEWER_SCHEMA_HASH)
 }
 
 const fn check(version: u16, schema: u32, ours: u32) -> Result<(), VersionMismatch> {

@@ -14,8 +14,11 @@ use crate::schema::{DEVICE_TABLE, TOOL_TABLE};
 use crate::type_text::{case_text, type_text};
 use crate::*;
 
-fn encoded<T: Serialize>(value: &T) -> usize {
-    let mut out = [0; 2048];
+/// Bytes of the longest message, and some.
+const ROOM: usize = 8192;
+
+pub fn encoded<T: Serialize>(value: &T) -> usize {
+    let mut out = [0; ROOM];
     postcard::to_slice(value, &mut out).unwrap().len()
 }
 
@@ -68,8 +71,8 @@ fn every_message_of_the_device_link_fits_a_packet() {
     }
 }
 
-/// The front page's figures, by the first type its row names.
-fn front_page() -> BTreeMap<String, usize> {
+/// The front page's figures, by the first type its row names; those of the viewer link are in [`crate::viewer_tests`].
+pub fn front_page() -> BTreeMap<String, usize> {
     include_str!("lib.rs")
         .lines()
         .filter_map(|line| line.strip_prefix("//! | [`"))
@@ -98,25 +101,26 @@ fn the_front_page_gives_the_true_sizes() {
         ("RecordHeader", 1 + RecordHeader::MAX_ENCODED),
         ("TickRecord", 1 + TickRecord::MAX_ENCODED),
     ];
-    let expected: BTreeMap<String, usize> = expected.map(|(name, size)| (name.to_string(), size)).into();
+    let expected = expected.into_iter().chain(viewer_tests::SIZES);
+    let expected: BTreeMap<String, usize> = expected.map(|(name, size)| (name.to_string(), size)).collect();
     assert_eq!(front_page(), expected);
 }
 
 /// An enum's line: every case listed, and none beyond them.
-fn cases<T: Serialize + DeserializeOwned>(name: &str, all: &[T]) -> String {
+pub fn cases<T: Serialize + DeserializeOwned>(name: &str, all: &[T]) -> String {
     for (index, value) in all.iter().enumerate() {
-        let mut out = [0; 2048];
+        let mut out = [0; ROOM];
         let bytes = postcard::to_slice(value, &mut out).unwrap();
         assert_eq!(usize::from(bytes[0]), index, "{name} is listed out of order");
     }
-    let mut beyond = vec![0_u8; 2048];
+    let mut beyond = vec![0_u8; ROOM];
     beyond[0] = all.len() as u8;
     assert!(postcard::take_from_bytes::<T>(&beyond).is_err(), "{name} has a case that this test does not list");
     let cases: Vec<String> = all.iter().map(case_text).collect();
     format!("{name}={}\n", cases.join("|"))
 }
 
-fn structure<T: Serialize>(value: &T) -> String {
+pub fn structure<T: Serialize>(value: &T) -> String {
     format!("{}\n", type_text(value))
 }
 

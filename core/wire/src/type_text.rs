@@ -92,6 +92,20 @@ impl ser::SerializeStructVariant for Parts {
     }
 }
 
+/// A list, told by its element and its greatest length: the value must be full.
+impl ser::SerializeSeq for Parts {
+    type Ok = String;
+    type Error = NotInTheNotation;
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NotInTheNotation> {
+        self.text = value.serialize(INNER)?;
+        self.count += 1;
+        Ok(())
+    }
+    fn end(self) -> Out {
+        Ok(format!("[{};<={}]", self.text, self.count))
+    }
+}
+
 impl ser::SerializeTuple for Parts {
     type Ok = String;
     type Error = NotInTheNotation;
@@ -116,7 +130,7 @@ macro_rules! scalars {
 impl Serializer for Text {
     type Ok = String;
     type Error = NotInTheNotation;
-    type SerializeSeq = Never;
+    type SerializeSeq = Parts;
     type SerializeTuple = Parts;
     type SerializeTupleStruct = Never;
     type SerializeTupleVariant = Never;
@@ -159,8 +173,8 @@ impl Serializer for Text {
         }
         Ok(format!("{case}({})", value.serialize(INNER)?))
     }
-    fn serialize_seq(self, _: Option<usize>) -> Result<Never, NotInTheNotation> {
-        Err(NotInTheNotation)
+    fn serialize_seq(self, _: Option<usize>) -> Result<Parts, NotInTheNotation> {
+        Ok(Parts::new("", true))
     }
     fn serialize_tuple(self, _: usize) -> Result<Parts, NotInTheNotation> {
         Ok(Parts::new("", true))
