@@ -12,14 +12,14 @@ use std::io::{Read, stdin};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::{self, Scope, ScopedJoinHandle};
-use std::time::{SystemTime, UNIX_EPOCH};
 
-use haptor_wire::{PROTOCOL_VERSION, RecordHeader, Summary, TOOL_SCHEMA_HASH, VersionMismatch, scene_file};
+use haptor_wire::{Summary, VersionMismatch};
 
 use crate::config::Config;
 use crate::error::HostError;
 use crate::link::{AnyLink, open};
-use crate::recorder::{Recorder, Written};
+use crate::recorder::origin::Origin;
+use crate::recorder::{Recorder, Sources, Written};
 use crate::rt::account::Account;
 use crate::rt::blackbox::black_box;
 use crate::rt::budget::{Verdict, verdict};
@@ -56,27 +56,20 @@ impl Outcome {
 /// # Errors
 /// [`HostError`] when it could not begin: bad scene, no device, no rights under `--rt enforce`, no file.
 pub fn run(config: &Config) -> Result<Outcome, HostError> {
-    let (scene, digest) = read_scene(config)?;
+    let (scene, file) = read_scene(config)?;
     let link = open(&config.device)?;
     let stop = stop_on_signals()?;
     if config.until_stdin_closes {
         stop_with_stdin(Arc::clone(&stop))?;
     }
-    thread::scope(|scope| supervise(scope, config, &scene, link, digest, &stop))
+    thread::scope(|scope| supervise(scope, config, &scene, link, Origin::new(config.rate_hz, file), &stop))
 }
 
-fn read_scene(config: &Config) -> Result<(Scene, u64), HostError> {
+fn read_scene(config: &Config) -> Result<(Scene, Arc<[u8]>), HostError> {
     let path = &config.model;
     let bytes = fs::read(path).map_err(|reason| HostError::File { doing: "read the baked scene", path: path.clone(), reason })?;
     let bad = |reason: SceneError| HostError::Scene { path: path.clone(), reason };
-    Ok((Scene::read(&bytes).map_err(bad)?, scene_file::digest(&bytes)))
-}
-
-fn header(config: &Config, scene_digest: u64) -> RecordHeader {
-    // a clock before 1970 or after 2106 is no reason not to run
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let start_unix_s = u32::try_from(since_1970.as_secs()).unwrap_or(u32::MAX);
-    RecordHeader { version: PROTOCOL_VERSION, schema: TOOL_SCHEMA_HASH, rate_hz: config.rate_hz, scene_digest, start_unix_s }
+    Ok((Scene::read(&bytes).map_err(bad)?, bytes.into()))
 }
 
 /// A flag that Ctrl-C, SIGTERM or a closed terminal sets. Called before any other thread starts: they inherit the blocked signals.
@@ -112,7 +105,7 @@ fn supervise<'scope>(
     config: &'scope Config,
     scene: &'scope Scene,
     link: AnyLink,
-    scene_digest: u64,
+    origin: Origin,
     stop: &'scope AtomicBool,
 ) -> Result<Outcome, HostError> {
     let (links, opener) = exchange();
@@ -120,7 +113,7 @@ fn supervise<'scope>(
     let (account, readers) = Account::new(black_box);
     let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
     let (ready, is_ready) = mpsc::channel();
-    let (news, records) = (readers.news, readers.records);
+    let (news, sources) = (readers.news, Sources { records: readers.records, dumps, rest_wanted: readers.rest_wanted });
     start(scope, "reopen", move || reopen::run(opener, &config.device))?;
     let status = start(scope, "status", move || status::run(config.status, config.rate_hz, news, &status_end))?;
     let real_time = start(scope, "real-time", move || real_time(config, scene, link, links, account, &ready, stop))?;
@@ -129,8 +122,8 @@ fn supervise<'scope>(
         join("real-time", real_time)??;
         return Err(HostError::Panicked { name: "real-time" });
     }
-    let recorder = Recorder::create(header(config, scene_digest), config.record.clone(), config.black_box.clone());
-    let recorder = recorder.and_then(|recorder| start(scope, "recorder", move || recorder.run(records, dumps, &recorder_end)));
+    let recorder = Recorder::create(origin, config.record.clone(), config.black_box.clone());
+    let recorder = recorder.and_then(|(recorder, _)| start(scope, "recorder", move || recorder.run(sources, &recorder_end)));
     stop.fetch_or(recorder.is_err(), Ordering::Relaxed);
 
     let (summary, mismatch) = join("real-time", real_time)??;

@@ -175,8 +175,8 @@ fn a_host_tied_to_its_standard_input_ends_with_it_and_its_recording_is_whole() {
         patient();
     }
     drop(stream);
-    let file = fs::read(record).unwrap();
-    assert!(matches!(RecordReader::new(&file).last(), Some(Ok(Record::End(_)))));
+    let mut file = fs::read(record).unwrap();
+    assert!(matches!(RecordReader::new(&mut file).last(), Some(Ok(Record::End(_)))));
 }
 
 /// A device that takes the connection, keeps it for a while and says `words`.
@@ -212,9 +212,10 @@ fn a_device_that_talks_nonsense_exits_1_names_it_and_leaves_readable_files() {
         "{told:?}"
     );
 
-    let file = fs::read(record).unwrap();
-    let records: Vec<Record> = RecordReader::new(&file).map(Result::unwrap).collect();
+    let mut file = fs::read(record).unwrap();
+    let records = RecordReader::new(&mut file).map(Result::unwrap);
+    let records: Vec<Record<'_>> = records.filter(|r| !matches!(r, Record::Schema(_) | Record::Scene(_))).collect();
     assert!(matches!(records[..], [Record::Header(_), Record::Fault(_), Record::End(_)]), "{records:?}");
-    let boxed = fs::read(folder.path("s.rec.blackbox")).unwrap();
-    assert!(RecordReader::new(&boxed).any(|r| matches!(r, Ok(Record::Fault(_)))));
+    let mut boxed = fs::read(folder.path("s.rec.blackbox")).unwrap();
+    assert!(RecordReader::new(&mut boxed).any(|r| matches!(r, Ok(Record::Fault(_)))));
 }

@@ -243,7 +243,7 @@ impl Rig {
                 Record::Tick(tick) => self.ticks.push(tick),
                 Record::Fault(fault) => self.faults.push(fault),
                 Record::Device(device) => self.device = Some(device),
-                Record::Header(_) | Record::End(_) => unreachable!("the recorder writes these"),
+                _ => {}
             }
         }
         while let Ok(message) = self.readers.news.pop() {

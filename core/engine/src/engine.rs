@@ -5,13 +5,14 @@ use haptor_contact::{
     GuardSpec, Input, Invalid, Model, Params, ParamsSpec, Pose, ProbeFrame, Scratch, State, World, Wrench, step,
 };
 use haptor_wire as wire;
-use haptor_wire::DeviceHello;
 use haptor_wire::units::{un_to_newtons, unm_to_newton_metres};
+use haptor_wire::{DeviceHello, Tuning};
 
 use crate::bodies::Bodies;
 use crate::frames::{DeviceBase, Handle};
 use crate::settings::{coupling_spec, guard_spec, lower_limits, tier_to_wire};
 use crate::setup::Setup;
+use crate::tuned::{Placed, Tuned};
 
 /// Patches that the core keeps in memory: as many as a probe may have parts.
 const PATCHES: usize = contact::MAX_PARTS;
@@ -22,15 +23,26 @@ pub const SAMPLES: usize = 256;
 /// Time in which the guard lets the wrench go from zero to the device's limit \[s\]: fast for a hand, slow for a motor.
 const FULL_SCALE_S: f32 = 0.02;
 
+/// What survives a tick of an engine.
+type Memory = State<PATCHES, SAMPLES, SAMPLES>;
+
+/// Without history. A constant in memory: made on the stack it would need its size there once more.
+static AT_REST: Memory = State::new();
+
 /// The contact core with its four kinds of data, and the device's place.
 #[derive(Debug)]
 pub struct Engine<'a> {
     model: Model<'a>,
-    /// Limits and coupling that the scene asks for.
-    asked: (wire::GuardLimits, wire::Coupling),
+    /// Coupling that the scene asks for.
+    coupling: wire::Coupling,
+    /// What the device renders; before it has said so, the core's own limits.
+    device: GuardSpec,
+    /// What holds, as it was asked for.
+    tuning: Tuning,
+    place: wire::Place,
     pub(crate) spec: ParamsSpec,
     params: Params,
-    state: State<PATCHES, SAMPLES, SAMPLES>,
+    state: Memory,
     scratch: Scratch<PATCHES>,
     x_wd: Pose<World, DeviceBase>,
 }
@@ -72,7 +84,10 @@ impl<'a> Engine<'a> {
         let baked = setup.baked();
         Ok(Self {
             model,
-            asked: (baked.guard, baked.coupling),
+            coupling: baked.coupling,
+            device: GuardSpec::default(),
+            tuning: Tuning::of(baked),
+            place: baked.place,
             spec: setup.params,
             params,
             state: State::new(),
@@ -95,12 +110,45 @@ impl<'a> Engine<'a> {
             own.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
             own.max_torque_rate = own.max_torque / FULL_SCALE_S;
         }
-        let (guard, coupling) = &self.asked;
-        let guard = lower_limits(&guard_spec(guard), &own);
-        let spec = ParamsSpec { guard, coupling: coupling_spec(coupling, &own), ..self.spec };
+        let guard = lower_limits(&guard_spec(&self.tuning.guard), &own);
+        let spec = ParamsSpec { guard, coupling: coupling_spec(&self.coupling, &own), ..self.spec };
         self.params = Params::new(&spec)?;
-        self.spec = spec;
+        (self.spec, self.device) = (spec, own);
         Ok(())
+    }
+
+    /// Takes over a tuning from the next tick on; what the contact remembers stays. The device's limits hold beside its own, and the coupling stays
+    /// fitted to the device.
+    pub fn tune(&mut self, tuned: &Tuned) {
+        let guard = lower_limits(&guard_spec(&tuned.tuning.guard), &self.device);
+        let spec = ParamsSpec { guard, coupling: self.spec.coupling, ..tuned.spec };
+        // both limits of each two have been checked, and so has the coupling
+        if let Ok(params) = Params::new(&spec) {
+            (self.params, self.spec, self.tuning) = (params, spec, tuned.tuning);
+        }
+    }
+
+    /// What holds, as it was asked for.
+    #[must_use]
+    pub const fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    /// Has the device stand elsewhere from the next tick on. The core takes the handle for one that moved: put it at [rest](Self::rest) too.
+    pub const fn place(&mut self, placed: &Placed) {
+        (self.place, self.x_wd) = (placed.place, placed.x_wd);
+    }
+
+    /// Where the device stands.
+    #[must_use]
+    pub const fn placed(&self) -> &wire::Place {
+        &self.place
+    }
+
+    /// Puts the core at rest: the next tick is as the first of a new engine with the same device, tuning and place. A contact that the next pose is in begins anew, let
+    /// in slowly.
+    pub fn rest(&mut self) {
+        self.state.clone_from(&AT_REST);
     }
 
     /// One tick of the core; `dt` since the previous one \[s\].

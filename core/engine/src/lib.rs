@@ -15,6 +15,7 @@
 //! | [`bodies`] | object and probe as the core takes them |
 //! | `scene` | a scene with the meshes and tables that its file carries, and engines that own one (feature `std`) |
 //! | [`engine`] | the running core: fitted to a device, stepped once a tick |
+//! | [`tuned`] | what changes an engine between two ticks |
 //! | [`link`] | poses and wrenches of the device link |
 //!
 //! The real-time host runs one; the tool replays recordings with one; both get the same bits. Without the feature `std` there is no heap, and
@@ -30,6 +31,7 @@ pub mod frames;
 pub mod link;
 pub mod settings;
 pub mod setup;
+pub mod tuned;
 
 #[cfg(feature = "std")]
 mod data;
@@ -51,3 +53,4 @@ pub use link::{command, handle_pose};
 #[cfg(feature = "std")]
 pub use scene::{OwnedEngine, Scene};
 pub use setup::Setup;
+pub use tuned::{Placed, Tuned};

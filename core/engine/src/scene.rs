@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use haptor_contact::{Invalid, Pose};
-use haptor_wire::{BakedScene, DeviceHello, scene_file};
+use haptor_wire::{BakedScene, DeviceHello, Tuning, scene_file};
 use self_cell::self_cell;
 
 use crate::bodies::Bodies;
@@ -12,6 +12,7 @@ use crate::engine::{Engine, Felt};
 use crate::error::SceneError;
 use crate::frames::{DeviceBase, Handle};
 use crate::setup::Setup;
+use crate::tuned::{Placed, Tuned};
 
 /// A checked scene with all its data. Clones share the data.
 #[derive(Clone, Debug)]
@@ -61,6 +62,14 @@ impl Scene {
         Bodies::new(self.setup.baked(), &self.data.as_ref(), self.data.green()?)
     }
 
+    /// Checks a tuning for engines of this scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first value that does not pass.
+    pub fn tuned(&self, tuning: &Tuning) -> Result<Tuned, SceneError> {
+        Tuned::new(&self.setup, self.data.table.is_some(), tuning)
+    }
+
     /// An engine at rest that keeps this scene's data alive.
     ///
     /// # Errors
@@ -108,6 +117,21 @@ impl OwnedEngine {
     /// As [`Engine::fit`].
     pub fn fit(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
         self.0.with_dependent_mut(|_, engine| engine.fit(device))
+    }
+
+    /// See [`Engine::tune`].
+    pub fn tune(&mut self, tuned: &Tuned) {
+        self.0.with_dependent_mut(|_, engine| engine.tune(tuned));
+    }
+
+    /// See [`Engine::place`].
+    pub fn place(&mut self, placed: &Placed) {
+        self.0.with_dependent_mut(|_, engine| engine.place(placed));
+    }
+
+    /// See [`Engine::rest`].
+    pub fn rest(&mut self) {
+        self.0.with_dependent_mut(|_, engine| engine.rest());
     }
 
     /// See [`Engine::step`].

@@ -3,41 +3,41 @@
 use haptor_contact as contact;
 use haptor_contact::{GuardSpec, Params, ParamsSpec};
 use haptor_wire as wire;
-use haptor_wire::BakedScene;
+use haptor_wire::Tuning;
 
 use crate::engine::SAMPLES;
 use crate::error::SceneError;
 
-/// The core's parameters of a scene, on the device of the core's defaults.
+/// The core's parameters of a scene so tuned, on the device of the core's defaults.
 ///
 /// # Errors
 /// [`SceneError`] names the first value that does not pass.
-pub fn params_spec(baked: &BakedScene) -> Result<ParamsSpec, SceneError> {
-    if usize::from(baked.samples) > SAMPLES {
-        return Err(SceneError::Samples(baked.samples));
+pub(crate) fn params_spec(coupling: &wire::Coupling, tuning: &Tuning) -> Result<ParamsSpec, SceneError> {
+    if usize::from(tuning.samples) > SAMPLES {
+        return Err(SceneError::Samples(tuning.samples));
     }
     let spec = ParamsSpec {
-        friction_static: Some(baked.friction_static),
-        friction_dynamic: baked.friction_dynamic,
-        region_distance: baked.region_distance,
-        max_regions: usize::from(baked.max_regions),
-        tier: tier_to_core(baked.tier),
-        samples: usize::from(baked.samples),
-        sweeps: usize::from(baked.sweeps),
-        breakaway: match baked.breakaway {
+        friction_static: Some(tuning.friction_static),
+        friction_dynamic: tuning.friction_dynamic,
+        region_distance: tuning.region_distance,
+        max_regions: usize::from(tuning.max_regions),
+        tier: tier_to_core(tuning.tier),
+        samples: usize::from(tuning.samples),
+        sweeps: usize::from(tuning.sweeps),
+        breakaway: match tuning.breakaway {
             wire::Breakaway::Smooth => contact::Breakaway::Smooth,
             wire::Breakaway::Sharp => contact::Breakaway::Sharp,
         },
-        force_law: force_law(&baked.force_law),
-        gravity: baked.gravity,
+        force_law: force_law(&tuning.force_law),
+        gravity: tuning.gravity,
         coupling: contact::CouplingSpec::Direct,
-        guard: guard_spec(&baked.guard),
+        guard: guard_spec(&tuning.guard),
     };
     // the scene's own numbers are checked before the device's, or the core's until a device has said its own, are laid over them
     let core = GuardSpec::default();
-    let asked = coupling_spec(&baked.coupling, &GuardSpec { max_force: f32::INFINITY, max_torque: f32::INFINITY, ..core });
+    let asked = coupling_spec(coupling, &GuardSpec { max_force: f32::INFINITY, max_torque: f32::INFINITY, ..core });
     Params::new(&ParamsSpec { coupling: asked, ..spec })?;
-    let (guard, coupling) = (lower_limits(&spec.guard, &core), coupling_spec(&baked.coupling, &core));
+    let (guard, coupling) = (lower_limits(&spec.guard, &core), coupling_spec(coupling, &core));
     Ok(ParamsSpec { guard, coupling, ..spec })
 }
 

@@ -2,13 +2,13 @@
 
 use haptor_contact as contact;
 use haptor_contact::{Invalid, Model, ModelSpec, Params, ParamsSpec, Pose, Vec3, World};
-use haptor_wire::BakedScene;
+use haptor_wire::{BakedScene, Tuning};
 
 use crate::bodies::Bodies;
 use crate::error::SceneError;
 use crate::frames::DeviceBase;
-use crate::link::quaternion;
 use crate::settings::params_spec;
+use crate::tuned::stands;
 
 /// A checked scene without its bodies.
 #[derive(Clone, Debug)]
@@ -26,8 +26,8 @@ impl Setup {
     /// # Errors
     /// [`SceneError`] names the first key or value that does not pass.
     pub fn new(baked: &BakedScene) -> Result<Self, SceneError> {
-        let x_wd = Pose::new(Vec3::from_array(baked.place.p_wd), quaternion(baked.place.q_wd).ok_or_else(place_rotation)?);
-        Ok(Self { baked: *baked, params: params_spec(baked)?, x_wd })
+        let params = params_spec(&baked.coupling, &Tuning::of(baked))?;
+        Ok(Self { baked: *baked, params, x_wd: stands(&baked.place)? })
     }
 
     /// The scene as it was baked.
@@ -55,8 +55,4 @@ impl Setup {
         };
         Ok((Model::new(&spec)?, Params::new(&self.params)?))
     }
-}
-
-fn place_rotation() -> Invalid {
-    Invalid { name: "place.q_wd (length)", value: f32::NAN, allowed: "a unit quaternion, within 1e-3" }
 }

@@ -6,9 +6,9 @@ use haptor_contact as contact;
 use haptor_contact::{Vec3, Wrench};
 use haptor_wire as wire;
 use haptor_wire::units::{NOT_A_NUMBER, metres_to_nm, unit_to_q30};
-use haptor_wire::{BakedScene, DeviceHello, Mode, PoseReport, ProbePart, ProbeParts, sections};
+use haptor_wire::{BakedScene, DeviceHello, Mode, PoseReport, ProbePart, ProbeParts, Tuning, sections};
 
-use crate::{Scene, command, handle_pose};
+use crate::{OwnedEngine, Placed, Scene, command, handle_pose};
 
 fn baked() -> BakedScene {
     let ball = ProbePart { shape: wire::ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
@@ -272,4 +272,70 @@ fn commands_carry_micronewtons_and_a_nan_stays_one() {
     assert_eq!((c.seq, c.echo, c.hold_us), (3, 9, 4000));
     assert_eq!(c.force_un, [1_500_000, 0, -2_000_000]);
     assert_eq!(c.torque_unm, [0, NOT_A_NUMBER, 100_000]);
+}
+
+/// Forces of a ball that is pressed in and dragged along.
+fn dragged(core: &mut OwnedEngine, ticks: std::ops::Range<u16>) -> Vec<[u32; 3]> {
+    let at = |tick: u16| [1.0e-5 * f32::from(tick), 0.0, 0.0199 - 1.0e-6 * f32::from(tick)];
+    let pose = |tick| handle_pose(&report(at(tick), [1.0, 0.0, 0.0, 0.0])).unwrap();
+    ticks.map(|tick| core.step(&pose(tick), 1.0e-3).contact_force.map(f32::to_bits)).collect()
+}
+
+#[test]
+fn an_engine_at_rest_is_as_new_and_a_tuned_one_as_one_made_so() {
+    let scene = Scene::new(&baked()).unwrap();
+    let new = dragged(&mut scene.engine().unwrap(), 0..50);
+    let mut core = scene.engine().unwrap();
+    dragged(&mut core, 0..30);
+    core.rest();
+    assert_eq!(dragged(&mut core, 0..50), new);
+
+    let smooth = BakedScene { tier: wire::Tier::Paper, friction_static: 0.2, friction_dynamic: 0.1, ..baked() };
+    let other = dragged(&mut Scene::new(&smooth).unwrap().engine().unwrap(), 0..50);
+    assert_ne!(other, new);
+    core.tune(&scene.tuned(&Tuning::of(&smooth)).unwrap());
+    core.rest();
+    assert_eq!((dragged(&mut core, 0..50), *core.get().tuning()), (other, Tuning::of(&smooth)));
+}
+
+#[test]
+fn a_tuning_keeps_to_the_device_and_is_refused_by_name() {
+    let scene = Scene::new(&baked()).unwrap();
+    let mut core = scene.engine().unwrap();
+    core.fit(&hello(3_000_000, 0)).unwrap();
+    let guard = wire::GuardLimits { max_force: 5.0, max_torque: 0.1, ..wire::GuardLimits::DEVICE_S_OWN };
+    core.tune(&scene.tuned(&Tuning { guard, ..Tuning::of(&baked()) }).unwrap());
+    assert_eq!((core.get().spec.guard.max_force, core.get().spec.guard.max_torque), (3.0, 0.1));
+    core.fit(&hello(8_000_000, 0)).unwrap();
+    assert_eq!(core.get().spec.guard.max_force, 5.0);
+
+    type Spoil = fn(&mut Tuning);
+    let table: [(Spoil, &str); 4] = [
+        (|t| t.tier = wire::Tier::Green, "carries no table"),
+        (|t| t.samples = 300, "16 to 256"),
+        (|t| t.friction_dynamic = f32::NAN, "friction.dynamic"),
+        (|t| t.guard.max_force = 0.0, "guard.max_force"),
+    ];
+    for (spoil, named) in table {
+        let mut tuning = Tuning::of(&baked());
+        spoil(&mut tuning);
+        let text = scene.tuned(&tuning).unwrap_err().to_string();
+        assert!(text.contains(named), "{text} lacks {named}");
+    }
+}
+
+#[test]
+fn a_device_that_stands_elsewhere_feels_the_same_thing_there() {
+    let scene = Scene::new(&baked()).unwrap();
+    let mut core = scene.engine().unwrap();
+    let straight = core.step(&handle_pose(&report([0.0, 0.0, 0.0195], [1.0, 0.0, 0.0, 0.0])).unwrap(), 1.0e-3);
+    let place = wire::Place { p_wd: [0.0, 0.0, 0.25], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    core.place(&Placed::new(&place).unwrap());
+    core.rest();
+    let felt = core.step(&handle_pose(&report([0.0, 0.0, 0.0195 - 0.25], [1.0, 0.0, 0.0, 0.0])).unwrap(), 1.0e-3);
+    assert!((felt.contact_force[2] / straight.contact_force[2] - 1.0).abs() < 1.0e-3);
+    assert_eq!(*core.get().placed(), place);
+    for bad in [wire::Place { p_wd: [f32::INFINITY, 0.0, 0.0], ..place }, wire::Place { q_wd: [2.0, 0.0, 0.0, 0.0], ..place }] {
+        assert!(Placed::new(&bad).is_err());
+    }
 }

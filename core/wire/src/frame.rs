@@ -10,8 +10,7 @@ use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use postcard::ser_flavors::crc::CrcModifier;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use crate::cobs::{self, CobsWriter};
 
@@ -72,17 +71,17 @@ pub fn encode_stream<T: Serialize>(message: &T, out: &mut [u8]) -> Result<usize,
     postcard::serialize_with_flavor(message, writer).map_err(|_| FrameError::BufferFull)
 }
 
-/// Reads one frame, without its final zero; the bytes are decoded onto themselves.
+/// Reads one frame, without its final zero; the bytes are decoded onto themselves, and the message may borrow from them.
 ///
 /// # Errors
 /// Any [`FrameError`] but `BufferFull`; bytes left over after the message are [`FrameError::Contents`].
-pub fn decode_stream<T: DeserializeOwned>(frame: &mut [u8]) -> Result<T, FrameError> {
+pub fn decode_stream<'a, T: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<T, FrameError> {
     let plain = cobs::decode_in_place(frame).ok_or(FrameError::Stuffing)?;
     decode_checked(frame.get(..plain).ok_or(FrameError::Stuffing)?)
 }
 
 /// Reads postcard bytes followed by their checksum.
-pub(crate) fn decode_checked<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FrameError> {
+pub(crate) fn decode_checked<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, FrameError> {
     let (message, crc) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(FrameError::Short)?;
     let computed = CRC32.checksum(message);
     let received = u32::from_le_bytes(*crc);

@@ -24,7 +24,11 @@
 //! | [`FaultRecord`] | host → tool, recording | a fault latches | 17 |
 //! | [`Summary`] | host → tool, recording | the session ends | 160 |
 //! | [`BakedScene`] | tool → host | a file, before the start | 917 |
-//! | [`RecordHeader`] | recording | its first frame | 29 |
+//! | [`RecordHeader`] | recording | its first frame | 39 |
+//! | [`Chunk`] | recording | behind it: text of the tables, the scene's file | 1032 |
+//! | [`Tuning`] | recording | the session begins, or somebody tunes | 129 |
+//! | [`Place`] | recording | the session begins, or somebody tares | 29 |
+//! | [`Event`] | recording | somebody freezes, stops, tares, marks | 12 |
 //! | [`TickRecord`] | recording | once a tick | 131 |
 //!
 //! Viewer link (programs that look on and steer, over TCP or a Unix socket; [`viewer`], in prose `VIEWER.md`):
@@ -41,13 +45,13 @@
 //! | [`RestBegin`] | viewer → host | rest points are to come | 6 |
 //! | [`RestPoints`] | viewer → host | they, in order | 3080 |
 //! | [`RestState`] | host → viewer | answers both | 13 |
-//! | [`Ask`] | viewer → host | a request | 17 |
+//! | [`Ask`] | viewer → host | a request | 135 |
 //! | [`Denied`] | host → viewer | it was not carried out, and why | 169 |
 //! | [`SceneNow`] | host → viewer | the scene that runs | 16 |
 //! | [`SceneBytes`] | host → viewer | its file, when asked for | 4119 |
 //! | [`Snapshot`] | host → viewer | every so many ticks | 1106 |
 //! | [`SurfaceBlock`] | host → viewer | with every so many snapshots | 2331 |
-//! | [`Statistics`] | host → viewer | every so many milliseconds | 206 |
+//! | [`Statistics`] | host → viewer | every so many milliseconds | 196 |
 //! | [`RecordBytes`] | host → viewer | a recording, while asked for | 4109 |
 //!
 //! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
@@ -65,6 +69,7 @@ extern crate std;
 mod cobs;
 pub mod decoder;
 pub mod device;
+pub mod digest;
 pub mod flags;
 pub mod frame;
 pub mod packet;
@@ -74,6 +79,7 @@ pub mod scene_file;
 pub mod schema;
 pub mod sections;
 pub mod status;
+pub mod tuning;
 pub mod units;
 pub mod viewer;
 pub mod viewer_look;
@@ -93,10 +99,10 @@ mod viewer_tests;
 
 pub use decoder::{DecodeCounts, StreamDecoder};
 pub use device::{DeviceFault, DeviceHello, FaultCause, FromDevice, HostHello, Mode, PoseReport, ToDevice, WrenchCommand};
+pub use digest::Digest;
 pub use frame::{FrameError, decode_stream, encode_stream, stream_bound};
 pub use packet::{PACKET_BYTES, decode_packet, encode_packet};
-pub use recording::{Damage, DamageCause, RecordReader};
-pub use recording::{Record, RecordHeader, TickRecord};
+pub use recording::{Chunk, Damage, DamageCause, Event, Record, RecordHeader, RecordReader, TickRecord, What};
 pub use scene::{
     BakedScene, Breakaway, Compliance, Coupling, Deformation, ForceLaw, GuardLimits, Inertia, ObjectShape, Passivity, Place,
     ProbePart, ProbeParts, ProbeShape, Tier, VirtualCoupling,
@@ -107,6 +113,7 @@ pub use schema::{
     check_tool_version, check_viewer_version,
 };
 pub use status::{FaultRecord, FromHost, HostFault, Progress, Quantiles, RtReport, SessionHello, Summary};
+pub use tuning::Tuning;
 pub use units::{
     metres_to_nm, newton_metres_to_unm, newtons_to_un, nm_to_metres, q30_to_unit, un_to_newtons, unit_to_q30,
     unm_to_newton_metres,

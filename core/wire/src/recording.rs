@@ -1,18 +1,34 @@
 //! The recording: a session as a file that only grows.
 //!
 //! A file is a row of COBS + CRC32 frames, the same as on a serial link, so a file cut at any byte, by a crash or a full disk,
-//! still reads up to its last whole frame, and damage in the middle costs the frames it touches and no more. The first frame is
-//! the [`RecordHeader`], the second the [`SessionHello`] of the device that was there, the last one of a session that ended in
-//! order the [`Summary`]. A black box has no hello: it begins in the middle of a session.
+//! still reads up to its last whole frame, and damage in the middle costs the frames it touches and no more. In order:
 //!
-//! To compute the contact again, bit for bit: take the scene whose file has the header's digest, a core at rest that has been fitted
-//! to the device of the hello (a virtual coupling takes from it what the scene leaves out), and of the ticks those without [`flags::NO_POSE`], in order. Each is one step of the core at the pose recorded, its quaternion normalised, with
+//! | record | when | what it means |
+//! |---|---|---|
+//! | [`RecordHeader`] | first | what was recorded; everything before it no longer holds, so files may be joined, and a session that goes to another scene goes on in the same file |
+//! | `Schema` | behind the header | [`crate::schema::TOOL_TABLE`] in chunks: the types of all records in words that a reader in another language can follow |
+//! | `Scene` | behind it | the file of the baked scene with its sections in chunks: the recording can be computed again without any other file |
+//! | [`SessionHello`] | the device is known | guard and coupling were fitted to it |
+//! | [`Tuning`] | the session begins, or somebody tunes | holds for all ticks after it; before the first, what the scene says |
+//! | [`Place`] | the session begins, or somebody tares | where the device stands from here on; before the first, where the scene says |
+//! | `Rest` | behind those three | the core was put at rest: from here on every tick can be computed again |
+//! | [`TickRecord`] | once a tick | what came in, what went out |
+//! | [`Event`], [`FaultRecord`] | as they happen | what was done, what went wrong |
+//! | `Lost` | the recorder fell behind | so many records are missing here |
+//! | [`Summary`] | the session ended in order | last |
+//!
+//! A black box holds the last ticks before a fault: it begins in the middle of a session, so it has no `Rest`, and its ticks cannot be computed again. It carries
+//! `Schema` and the device, but only the digest of the scene.
+//!
+//! To compute the contact again, bit for bit: take the scene, a core fitted to the device of the hello (a virtual coupling takes from it what the scene leaves
+//! out; without a hello the core's own limits hold), with the tuning and the place that hold, at rest where the file says so, and of the ticks those without
+//! [`flags::NO_POSE`], in order. Each is one step of the core at the pose recorded, its quaternion normalised, with
 //! ```text
-//! dt = (tick - tick of the one before without NO_POSE) / rate_hz     in f64, then rounded to f32; the first has dt = 1 / rate_hz
+//! dt = (tick - tick of the one before without NO_POSE) / rate_hz     in f64, then rounded to f32; the first after Rest has dt = 1 / rate_hz
 //! ```
 //! so ticks that the thread slept through count, and so do those in which no pose came. `contact_force` and `contact_torque` come
-//! out again; `force` and `torque` too where no bit of the host's is set and the guard has the limits of the device that was
-//! there (full scale in 20 ms) and of the scene.
+//! out again; `force` and `torque` too where no bit of the host's but [`flags::LATE`] is set: the guard has the limits of the device (full scale in 20 ms) and of
+//! the tuning. After a damaged place, or `Lost`, nothing is known of the core's memory, nor of device, tuning and place, until all three have come anew and `Rest` follows.
 
 use core::fmt;
 
@@ -21,27 +37,138 @@ use serde::{Deserialize, Serialize};
 use crate::device::{ENUM, F32, U16, U32, U64};
 use crate::flags;
 use crate::frame::{FrameError, decode_stream, stream_bound};
-use crate::scene::Tier;
+use crate::scene::{Place, Tier};
 use crate::status::{FaultRecord, SessionHello, Summary};
+use crate::tuning::Tuning;
 
-/// One frame of a recording.
+/// One frame of a recording. `'a` is the frame that chunks borrow from; all others carry their data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Record {
+pub enum Record<'a> {
     /// What was recorded; first.
     Header(RecordHeader),
+    /// A piece of the text of the tables.
+    #[serde(borrow)]
+    Schema(Chunk<'a>),
+    /// A piece of the baked scene's file.
+    #[serde(borrow)]
+    Scene(Chunk<'a>),
     /// The device that was there; before the first tick.
     Device(SessionHello),
+    /// What holds for the ticks after it.
+    Tuning(Tuning),
+    /// Where the device stands in the ticks after it.
+    Place(Place),
+    /// The core was put at rest before the next tick.
+    Rest,
     /// One tick.
     Tick(TickRecord),
+    /// Something was done.
+    Event(Event),
     /// A fault has latched.
     Fault(FaultRecord),
+    /// Records that are missing here: the recorder fell behind.
+    Lost {
+        /// How many.
+        count: u64,
+    },
     /// The session ended in order; last.
     End(Summary),
 }
 
-impl Record {
+impl Record<'_> {
     /// Postcard bytes at most, the byte that names the record included.
-    pub const MAX_ENCODED: usize = 1 + Summary::MAX_ENCODED;
+    pub const MAX_ENCODED: usize = 1 + Chunk::MAX_ENCODED;
+}
+
+/// Bytes of a chunk at most: few enough for a small machine to hold a frame, many enough that a table of 10 MB is some ten thousand.
+pub const CHUNK_BYTES: usize = 1024;
+
+/// Bytes of the length before a chunk's bytes at most, as postcard writes it.
+const CHUNK_LENGTH: usize = 2;
+
+/// A piece of a text or a file that is longer than a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Chunk<'a> {
+    /// Where it begins \[bytes from the start of the whole\].
+    pub at: u32,
+    /// The piece, at most [`CHUNK_BYTES`].
+    pub bytes: &'a [u8],
+}
+
+impl Chunk<'_> {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = U32 + CHUNK_LENGTH + CHUNK_BYTES;
+
+    /// The pieces of `whole`, in order; a whole beyond `u32::MAX` bytes has none.
+    pub fn of(whole: &[u8]) -> impl Iterator<Item = Chunk<'_>> {
+        let fits = u32::try_from(whole.len()).is_ok();
+        let pieces = whole.chunks(CHUNK_BYTES).enumerate().take_while(move |_| fits);
+        pieces.map(|(i, bytes)| Chunk { at: (i * CHUNK_BYTES) as u32, bytes })
+    }
+}
+
+/// Something that was done, and the tick before which it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Event {
+    /// The next tick.
+    pub tick: u64,
+    /// What was done.
+    pub what: What,
+}
+
+impl Event {
+    /// Postcard bytes at most, without the byte that names the record.
+    pub const MAX_ENCODED: usize = U64 + ENUM;
+}
+
+/// What is done to a session from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum What {
+    /// The output was held closed and the core stopped.
+    Frozen,
+    /// It goes on.
+    Resumed,
+    /// Somebody hit the emergency stop: the device was released to brake.
+    EmergencyStop,
+    /// The stop was taken back.
+    Rearmed,
+    /// The device's place was set anew so that the probe is where it is wanted.
+    Tared,
+    /// A recording was begun while the session ran.
+    RecordingBegun,
+    /// It was ended.
+    RecordingEnded,
+    /// Somebody marked this moment.
+    Mark,
+}
+
+impl What {
+    /// Everything that can be done, in the order of the wire.
+    pub const ALL: [Self; 8] = [
+        Self::Frozen,
+        Self::Resumed,
+        Self::EmergencyStop,
+        Self::Rearmed,
+        Self::Tared,
+        Self::RecordingBegun,
+        Self::RecordingEnded,
+        Self::Mark,
+    ];
+
+    /// It in words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Frozen => "frozen",
+            Self::Resumed => "resumed",
+            Self::EmergencyStop => "emergency stop",
+            Self::Rearmed => "rearmed",
+            Self::Tared => "tared",
+            Self::RecordingBegun => "recording begun",
+            Self::RecordingEnded => "recording ended",
+            Self::Mark => "mark",
+        }
+    }
 }
 
 /// What was recorded.
@@ -57,11 +184,15 @@ pub struct RecordHeader {
     pub scene_digest: u64,
     /// Start of the session \[s since 1970-01-01 UTC\].
     pub start_unix_s: u32,
+    /// Length of the text of the tables \[bytes\]; 0 = not in this file.
+    pub schema_bytes: u32,
+    /// Length of the baked scene's file \[bytes\]; 0 = not in this file.
+    pub scene_bytes: u32,
 }
 
 impl RecordHeader {
     /// Postcard bytes at most, without the byte that names the record.
-    pub const MAX_ENCODED: usize = U16 + U32 + U32 + U64 + U32;
+    pub const MAX_ENCODED: usize = U16 + U32 + U32 + U64 + 3 * U32;
 }
 
 /// One tick: what came in, what went out, what the contact was, how long it took.
@@ -156,17 +287,18 @@ impl fmt::Display for Damage {
 
 impl core::error::Error for Damage {}
 
-/// Reads the records of a file, in order; damage is reported in its place and reading goes on after it.
-#[derive(Clone, Debug)]
+/// Reads the records of a file, in order; damage is reported in its place and reading goes on after it. The bytes are decoded onto themselves: what has been
+/// read is no recording any more.
+#[derive(Debug)]
 pub struct RecordReader<'a> {
-    rest: &'a [u8],
+    rest: &'a mut [u8],
     offset: usize,
 }
 
 impl<'a> RecordReader<'a> {
     /// Reads from the first byte of a recording.
     #[must_use]
-    pub const fn new(file: &'a [u8]) -> Self {
+    pub const fn new(file: &'a mut [u8]) -> Self {
         Self { rest: file, offset: 0 }
     }
 
@@ -177,38 +309,37 @@ impl<'a> RecordReader<'a> {
     }
 
     /// The next frame without its zero, and whether it had one.
-    fn take_frame(&mut self) -> (&'a [u8], bool) {
-        let end = self.rest.iter().position(|&byte| byte == 0);
-        let (frame, rest) = match end.and_then(|at| self.rest.split_at_checked(at)) {
-            Some((frame, rest)) => (frame, rest.get(1..).unwrap_or(&[])),
-            None => (self.rest, &[][..]),
-        };
-        self.offset += self.rest.len() - rest.len();
-        self.rest = rest;
+    fn take_frame(&mut self) -> (&'a mut [u8], bool) {
+        let rest = core::mem::take(&mut self.rest);
+        let end = rest.iter().position(|&byte| byte == 0);
+        let (frame, rest) = rest.split_at_mut(end.unwrap_or(rest.len()));
+        let zero = usize::from(end.is_some());
+        self.offset += frame.len() + zero;
+        self.rest = rest.get_mut(zero..).unwrap_or_default();
         (frame, end.is_some())
     }
 }
 
-impl Iterator for RecordReader<'_> {
-    type Item = Result<Record, Damage>;
+impl<'a> Iterator for RecordReader<'a> {
+    type Item = Result<Record<'a>, Damage>;
 
     fn next(&mut self) -> Option<Self::Item> {
         while !self.rest.is_empty() {
             let offset = self.offset;
             let (frame, whole) = self.take_frame();
-            let damage = |cause| Damage { offset, skipped: frame.len() + usize::from(whole), cause };
+            let skipped = frame.len() + usize::from(whole);
+            let damage = |cause| Damage { offset, skipped, cause };
             if frame.is_empty() {
                 continue;
             }
             if !whole {
                 return Some(Err(damage(DamageCause::Cut)));
             }
-            let mut buffer = [0; FRAME_MAX];
-            let Some(copy) = buffer.get_mut(..frame.len()) else {
-                return Some(Err(damage(DamageCause::Long)));
-            };
-            copy.iter_mut().zip(frame).for_each(|(to, &byte)| *to = byte);
-            return Some(decode_stream(copy).map_err(|error| damage(DamageCause::Frame(error))));
+            return Some(if skipped > FRAME_MAX {
+                Err(damage(DamageCause::Long))
+            } else {
+                decode_stream(frame).map_err(|error| damage(DamageCause::Frame(error)))
+            });
         }
         None
     }
@@ -218,15 +349,19 @@ impl Iterator for RecordReader<'_> {
 mod tests {
     use super::*;
     use crate::frame::encode_stream;
-    use crate::samples::{FAULT_RECORD, HEADER, SESSION, SUMMARY};
+    use crate::samples::{EVENT, FAULT_RECORD, HEADER, PLACE, SESSION, SUMMARY, TUNING};
+    use crate::schema::TOOL_TABLE;
     use std::vec::Vec;
 
-    fn session() -> (Vec<u8>, Vec<Record>, Vec<usize>) {
+    fn session() -> (Vec<u8>, Vec<Record<'static>>, Vec<usize>) {
         let ticks = (0..20)
             .map(|tick| Record::Tick(TickRecord { tick, t_us: 1000 * tick, depth: 1e-5 * tick as f32, ..TickRecord::default() }));
-        let mut records = std::vec![Record::Header(HEADER), Record::Device(SESSION)];
+        let mut records = std::vec![Record::Header(HEADER)];
+        records.extend(Chunk::of(&TOOL_TABLE.as_bytes()[..CHUNK_BYTES + 9]).map(Record::Schema));
+        records.extend(Chunk::of(&[0; 300]).map(Record::Scene));
+        records.extend([Record::Device(SESSION), Record::Tuning(TUNING), Record::Place(PLACE), Record::Rest]);
         records.extend(ticks);
-        records.extend([Record::Fault(FAULT_RECORD), Record::End(SUMMARY)]);
+        records.extend([Record::Event(EVENT), Record::Fault(FAULT_RECORD), Record::Lost { count: 3 }, Record::End(SUMMARY)]);
         let (mut file, mut ends) = (Vec::new(), Vec::new());
         for record in &records {
             let mut frame = [0; FRAME_MAX];
@@ -239,8 +374,8 @@ mod tests {
 
     #[test]
     fn there_and_back() {
-        let (file, records, _) = session();
-        let read: Result<Vec<_>, _> = RecordReader::new(&file).collect();
+        let (mut file, records, _) = session();
+        let read: Result<Vec<_>, _> = RecordReader::new(&mut file).collect();
         assert_eq!(read.unwrap(), records);
     }
 
@@ -249,7 +384,8 @@ mod tests {
         let (file, records, ends) = session();
         for cut in 0..=file.len() {
             let whole = ends.iter().filter(|&&end| end <= cut).count();
-            let read: Vec<_> = RecordReader::new(&file[..cut]).collect();
+            let mut file = file[..cut].to_vec();
+            let read: Vec<_> = RecordReader::new(&mut file).collect();
             let good: Vec<_> = read.iter().filter_map(|r| r.ok()).collect();
             assert_eq!(good, records[..whole], "cut at {cut}");
             let begun = cut > ends[..whole].last().copied().unwrap_or(0);
@@ -270,7 +406,7 @@ mod tests {
                 let mut bad = file.clone();
                 bad[at] ^= flip;
                 let hit = ends.iter().filter(|&&end| end <= at).count();
-                let read: Vec<_> = RecordReader::new(&bad).filter_map(Result::ok).collect();
+                let read: Vec<_> = RecordReader::new(&mut bad).filter_map(Result::ok).collect();
                 // a zero that is gone joins two frames
                 let lost_zero = at + 1 == ends[hit];
                 let lost = hit..(hit + 1 + usize::from(lost_zero)).min(records.len());
@@ -302,8 +438,8 @@ mod tests {
     #[test]
     fn what_is_longer_than_any_record_is_named() {
         let file = [7; FRAME_MAX + 1];
-        let file = [&file[..], &[0]].concat();
-        let damage = RecordReader::new(&file).next().unwrap().unwrap_err();
+        let mut file = [&file[..], &[0]].concat();
+        let damage = RecordReader::new(&mut file).next().unwrap().unwrap_err();
         assert_eq!(damage.cause, DamageCause::Long);
         assert_eq!((damage.offset, damage.skipped), (0, FRAME_MAX + 2));
     }

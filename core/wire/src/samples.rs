@@ -1,10 +1,10 @@
 //! One value of every message, at the extremes of its encoding and in between, for the tests of this crate.
 
 use crate::{
-    BakedScene, Breakaway, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, FaultCause, FaultRecord, ForceLaw,
-    GuardLimits, HostFault, HostHello, Inertia, Mode, ObjectShape, Passivity, Place, PoseReport, ProbePart, ProbeParts,
-    ProbeShape, Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, VirtualCoupling,
-    WrenchCommand,
+    BakedScene, Breakaway, Chunk, Compliance, Coupling, Deformation, DeviceFault, DeviceHello, Event, FaultCause, FaultRecord,
+    ForceLaw, GuardLimits, HostFault, HostHello, Inertia, Mode, ObjectShape, Passivity, Place, PoseReport, ProbePart, ProbeParts,
+    ProbeShape, Progress, Quantiles, RecordHeader, RtReport, SessionHello, Summary, TickRecord, Tier, Tuning, VirtualCoupling,
+    What, WrenchCommand,
 };
 
 pub const DEVICE_HELLO: DeviceHello = DeviceHello {
@@ -68,8 +68,17 @@ pub const SUMMARY: Summary = Summary {
     rt: RT,
     fault: Some(HostFault::Overrun),
 };
-pub const HEADER: RecordHeader =
-    RecordHeader { version: u16::MAX, schema: u32::MAX, rate_hz: u32::MAX, scene_digest: u64::MAX, start_unix_s: u32::MAX };
+pub const HEADER: RecordHeader = RecordHeader {
+    version: u16::MAX,
+    schema: u32::MAX,
+    rate_hz: u32::MAX,
+    scene_digest: u64::MAX,
+    start_unix_s: u32::MAX,
+    schema_bytes: u32::MAX,
+    scene_bytes: u32::MAX,
+};
+pub const CHUNK: Chunk<'static> = Chunk { at: u32::MAX, bytes: &[0; crate::recording::CHUNK_BYTES] };
+pub const EVENT: Event = Event { tick: u64::MAX, what: What::Mark };
 pub const TICK: TickRecord = TickRecord {
     tick: u64::MAX,
     t_us: u64::MAX,
@@ -116,6 +125,21 @@ pub const COUPLING: VirtualCoupling = VirtualCoupling {
     rotational_damping: Some(0.01),
     max_force: 8.5,
     max_torque: f32::INFINITY,
+};
+
+pub const TUNING: Tuning = Tuning {
+    tier: Tier::Green,
+    samples: u16::MAX,
+    sweeps: 4,
+    friction_static: 0.8,
+    friction_dynamic: 0.75,
+    region_distance: 0.004,
+    max_regions: 10,
+    breakaway: Breakaway::Smooth,
+    deformation: Deformation::Full,
+    gravity: true,
+    force_law: LAW,
+    guard: GUARD,
 };
 
 /// The largest scene: every part in use, every option given.

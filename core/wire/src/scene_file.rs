@@ -8,6 +8,7 @@
 
 use core::fmt;
 
+use crate::digest::Digest;
 use crate::frame::{CRC_BYTES, CRC32, FrameError};
 use crate::scene::{BakedScene, MAX_PARTS};
 use crate::schema::{PROTOCOL_VERSION, TOOL_SCHEMA_HASH, VersionMismatch, check_tool_version};
@@ -177,7 +178,9 @@ fn split(file: &[u8]) -> Result<(BakedScene, &[u8]), SceneFileError> {
 /// Fingerprint of a file, to tell recordings of one scene from those of another: FNV-1a, 64 bits.
 #[must_use]
 pub fn digest(file: &[u8]) -> u64 {
-    file.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    let mut digest = Digest::new();
+    digest.add(file);
+    digest.value()
 }
 
 #[cfg(test)]

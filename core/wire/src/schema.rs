@@ -4,7 +4,7 @@
 //! raised by hand; the fingerprint is the CRC-32 of the canonical text below and catches the change that somebody forgot to
 //! announce. A test prints every message type in the same notation, from the types themselves, and compares.
 //!
-//! Notation: `Name{field:type,...}`; `[type;n]` an array; `[type;<=n]` a list of at most n; `?type` an option; an enum's cases in order, parted by `|`, with what
+//! Notation: `Name{field:type,...}`; `[type;n]` an array; `[type]` a list, its length before it; `?type` an option; an enum's cases in order, parted by `|`, with what
 //! each carries. Order is meaning: postcard writes fields in order and an enum's case by its place.
 
 use core::fmt;
@@ -50,8 +50,12 @@ Summary{ticks:u64,in_time:u64,late:u64,lost:u64,rejected:u64,out_of_order:u64,re
 Quantiles{p50:u32,p99:u32,p999:u32,p9999:u32,max:u32}\n\
 RtReport{fifo:bool,locked:bool,pinned:bool,dma_latency:bool}\n\
 HostFault=LinkLost|Stale|Garbage|DeviceRestarted|DeviceFault|DeviceWatchdog|DeviceOverSpeed|DeviceNonFinite|VersionMismatch|NonFinite|Overrun\n\
-Record=Header(RecordHeader)|Device(SessionHello)|Tick(TickRecord)|Fault(FaultRecord)|End(Summary)\n\
-RecordHeader{version:u16,schema:u32,rate_hz:u32,scene_digest:u64,start_unix_s:u32}\n\
+Record=Header(RecordHeader)|Schema(Chunk)|Scene(Chunk)|Device(SessionHello)|Tuning(Tuning)|Place(Place)|Rest|Tick(TickRecord)|Event(Event)|Fault(FaultRecord)|Lost{count:u64}|End(Summary)\n\
+RecordHeader{version:u16,schema:u32,rate_hz:u32,scene_digest:u64,start_unix_s:u32,schema_bytes:u32,scene_bytes:u32}\n\
+Chunk{at:u32,bytes:[u8]}\n\
+Tuning{tier:Tier,samples:u16,sweeps:u8,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,breakaway:Breakaway,deformation:Deformation,gravity:bool,force_law:ForceLaw,guard:GuardLimits}\n\
+Event{tick:u64,what:What}\n\
+What=Frozen|Resumed|EmergencyStop|Rearmed|Tared|RecordingBegun|RecordingEnded|Mark\n\
 TickRecord{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],force:[f32;3],torque:[f32;3],contact_force:[f32;3],contact_torque:[f32;3],regions:u8,depth:f32,radius:f32,stick:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32}\n\
 BakedScene{object:ObjectShape,fixed_below:f32,young_modulus:f32,poisson_ratio:f32,density:f32,compliance:?Compliance,probe:ProbeParts,mass:f32,inertia:?Inertia,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,tier:Tier,samples:u16,sweeps:u8,deformation:Deformation,coupling:Coupling,breakaway:Breakaway,gravity:bool,force_law:ForceLaw,guard:GuardLimits,paper_length:f32,place:Place}\n\
 ObjectShape=HalfSpace|Box{size:[f32;3]}|Sphere{radius:f32}|Ellipsoid{semi_axes:[f32;3]}|Cylinder{radius:f32,height:f32}|Mesh{grid:u8}\n\
@@ -74,7 +78,7 @@ Place{p_wd:[f32;3],q_wd:[f32;4]}\n\
 /// The viewer link in canonical text; what is not here is in [`DEVICE_TABLE`] and [`TOOL_TABLE`].
 pub const VIEWER_TABLE: &str = "\
 FromViewer=Hello(ViewerHello)|Subscribe(Subscription)|UploadBegin(UploadBegin)|UploadChunk(UploadChunk)|RestBegin(RestBegin)|RestPoints(RestPoints)|Ask(Ask)|Ping(u32)\n\
-ToViewer=Refused(Refusal)|Welcome(Welcome)|Device(SessionHello)|Scene(SceneNow)|Upload(UploadState)|Rest(RestState)|Done(u32)|Denied(Denied)|Snapshot(Snapshot)|Surface(SurfaceBlock)|Statistics(Statistics)|Fault(FaultRecord)|SceneBytes(SceneBytes)|RecordBytes(RecordBytes)|Pong(u32)|End(Summary)\n\
+ToViewer=Refused(Refusal)|Welcome(Welcome)|Device(SessionHello)|Scene(SceneNow)|Upload(UploadState)|Rest(RestState)|Done(u32)|Denied(Denied)|Snapshot(Snapshot)|Surface(SurfaceBlock)|Statistics(Statistics)|Event(Event)|Fault(FaultRecord)|SceneBytes(SceneBytes)|RecordBytes(RecordBytes)|Pong(u32)|End(Summary)\n\
 ViewerHello{version:u16,schema:u32,token:[u8;32]}\n\
 Refusal{version:u16,schema:u32,why:RefusalCause}\n\
 RefusalCause=Version|Token|TooMany|Order|Silent|Idle|Garbage|Stuck\n\
@@ -82,23 +86,24 @@ Welcome{version:u16,schema:u32,rate_hz:u32,limits:Limits}\n\
 Limits{viewers:u8,model_bytes:u32,rest_points:u32,idle_ms:u32}\n\
 Subscription{every:u32,surface:u32,statistics_ms:u32}\n\
 UploadBegin{digest:u64,length:u32}\n\
-UploadChunk{digest:u64,offset:u32,bytes:[u8;<=4096]}\n\
+UploadChunk{digest:u64,offset:u32,bytes:[u8]}\n\
 UploadState{digest:u64,have:u32,of:u32,why:?Denial}\n\
 RestBegin{count:u32}\n\
-RestPoints{offset:u32,points:[[f32;3];<=256]}\n\
+RestPoints{offset:u32,points:[[f32;3]]}\n\
 RestState{have:u32,of:u32,why:?Denial}\n\
 Ask{number:u32,what:Wish}\n\
-Wish=Activate(u64)|Freeze(bool)|Tare|EStop|Rearm|Record(bool)|Download\n\
-Denied{number:u32,why:Denial,words:[u8;<=160]}\n\
+Wish=Activate(u64)|Tune(Tuning)|Freeze(bool)|Tare|EStop|Rearm|Record(bool)|Download\n\
+Denied{number:u32,why:Denial,words:[u8]}\n\
 Denial=NoModel|Digest|Scene|Value|InContact|NoSession|Stopped|NotStopped|Frozen|Busy|TooLarge|NoRoom|OutOfOrder|Recording|NotRecording\n\
 SceneNow{digest:u64,length:u32}\n\
-SceneBytes{digest:u64,offset:u32,of:u32,bytes:[u8;<=4096]}\n\
-RecordBytes{offset:u64,bytes:[u8;<=4096]}\n\
-Snapshot{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],contact_force:[f32;3],contact_torque:[f32;3],sent_force:[f32;3],sent_torque:[f32;3],patches:[PatchLook;<=16],depth:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32,in_time_permille:u16,mode:Mode,output:OutputState,fault:?HostFault}\n\
+SceneBytes{digest:u64,offset:u32,of:u32,bytes:[u8]}\n\
+RecordBytes{offset:u64,bytes:[u8]}\n\
+Snapshot{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],contact_force:[f32;3],contact_torque:[f32;3],sent_force:[f32;3],sent_torque:[f32;3],patches:[PatchLook],depth:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32,in_time_permille:u16,mode:Mode,output:OutputState,fault:?HostFault}\n\
 PatchLook{region:u8,centre:[f32;3],normal:[f32;3],radius:f32,stick_radius:f32,force:[f32;3],torque:[f32;3],depth:f32}\n\
 OutputState=Closed|Open|Frozen|Stopped\n\
-SurfaceBlock{tick:u64,of:u32,offset:u32,step:f32,moved:[[i16;3];<=256]}\n\
-Statistics{session:Summary,viewers:u8,sent:u64,dropped:u64,missed:u64,record_dropped:u64,rejected:u32}\n\
+SurfaceBlock{tick:u64,of:u32,offset:u32,step:f32,moved:[[i16;3]]}\n\
+Statistics{session:Summary,viewers:u8,sent:u64,dropped:u64,missed:u64,rejected:u32}\n\
+at most: 4096 bytes, 256 points, 160 words, 16 patches\n\
 ";
 
 /// Host and device, or tool and host, were built from different tables.

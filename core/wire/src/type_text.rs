@@ -92,20 +92,6 @@ impl ser::SerializeStructVariant for Parts {
     }
 }
 
-/// A list, told by its element and its greatest length: the value must be full.
-impl ser::SerializeSeq for Parts {
-    type Ok = String;
-    type Error = NotInTheNotation;
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NotInTheNotation> {
-        self.text = value.serialize(INNER)?;
-        self.count += 1;
-        Ok(())
-    }
-    fn end(self) -> Out {
-        Ok(format!("[{};<={}]", self.text, self.count))
-    }
-}
-
 impl ser::SerializeTuple for Parts {
     type Ok = String;
     type Error = NotInTheNotation;
@@ -116,6 +102,17 @@ impl ser::SerializeTuple for Parts {
     }
     fn end(self) -> Out {
         Ok(format!("[{};{}]", self.text, self.count))
+    }
+}
+
+impl ser::SerializeSeq for Parts {
+    type Ok = String;
+    type Error = NotInTheNotation;
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NotInTheNotation> {
+        ser::SerializeTuple::serialize_element(self, value)
+    }
+    fn end(self) -> Out {
+        Ok(format!("[{}]", self.text))
     }
 }
 

@@ -17,8 +17,10 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::device::{ENUM, U16, U32, U64};
+use crate::recording::Event;
 use crate::schema::{PROTOCOL_VERSION, VIEWER_SCHEMA_HASH, VersionMismatch};
 use crate::status::{FaultRecord, SessionHello, Summary};
+use crate::tuning::Tuning;
 use crate::viewer_look::{Snapshot, Statistics, SurfaceBlock};
 
 /// Bytes of a model or a recording in one message at most: a few hundred messages a megabyte, and a buffer that fits any stack.
@@ -105,6 +107,8 @@ pub enum ToViewer {
     Surface(SurfaceBlock),
     /// The session in figures, so far.
     Statistics(Statistics),
+    /// Something was done to the session, by whomever.
+    Event(Event),
     /// A fault has latched.
     Fault(FaultRecord),
     /// Bytes of the file of the scene that runs.
@@ -433,8 +437,10 @@ impl Ask {
 /// What a viewer can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Wish {
-    /// Run the uploaded model of this digest from now on. The output closes and opens again when the wrench is small.
+    /// Run the uploaded model of this digest from now on. The output fades, closes, and opens again when the wrench is small.
     Activate(u64),
+    /// Take over these parameters from the next tick on.
+    Tune(Tuning),
     /// True: fade the wrench to zero and let the core stand. False: go on, with forces back when they are small.
     Freeze(bool),
     /// Place the device so that the probe stands where the scene starts it. Without contact only.
@@ -451,7 +457,7 @@ pub enum Wish {
 
 impl Wish {
     /// Postcard bytes at most.
-    pub const MAX_ENCODED: usize = ENUM + U64;
+    pub const MAX_ENCODED: usize = ENUM + Tuning::MAX_ENCODED;
 }
 
 /// A request that was not carried out.

@@ -177,15 +177,13 @@ pub struct Statistics {
     pub dropped: u64,
     /// Snapshots left out for all because the server was too slow.
     pub missed: u64,
-    /// Bytes of recording left out because this viewer read too slowly.
-    pub record_dropped: u64,
     /// Frames of this viewer that were no messages.
     pub rejected: u32,
 }
 
 impl Statistics {
     /// Postcard bytes at most, without the byte that names the message.
-    pub const MAX_ENCODED: usize = Summary::MAX_ENCODED + 1 + 4 * U64 + U32;
+    pub const MAX_ENCODED: usize = Summary::MAX_ENCODED + 1 + 3 * U64 + U32;
 }
 
 /// Postcard bytes of the length of a list of less than 128.

@@ -1,11 +1,13 @@
 //! The viewer link's tables are what they say: largest sizes, canonical text, and frames that only a whole message passes.
 
+use std::string::ToString;
 use std::vec::Vec;
-use std::{string::ToString, vec};
+use std::{format, vec};
 
 use heapless::Vec as List;
 
-use crate::samples::{FAULT_RECORD, SESSION, SUMMARY};
+use crate::samples::{EVENT, FAULT_RECORD, SESSION, SUMMARY, TUNING};
+use crate::scene::MAX_PARTS;
 use crate::schema::VIEWER_TABLE;
 use crate::table_tests::{cases, encoded, structure};
 use crate::viewer::{CHUNK_BYTES, POINTS_IN_MESSAGE, TOKEN_BYTES, WORDS_BYTES, words};
@@ -20,7 +22,7 @@ const BEGIN: UploadBegin = UploadBegin { digest: u64::MAX, length: u32::MAX };
 const UPLOAD: UploadState = UploadState { digest: u64::MAX, have: u32::MAX, of: u32::MAX, why: Some(Denial::Value) };
 const REST_BEGIN: RestBegin = RestBegin { count: u32::MAX };
 const REST: RestState = RestState { have: u32::MAX, of: u32::MAX, why: Some(Denial::Value) };
-const ASK: Ask = Ask { number: u32::MAX, what: Wish::Activate(u64::MAX) };
+const ASK: Ask = Ask { number: u32::MAX, what: Wish::Tune(TUNING) };
 const SCENE: SceneNow = SceneNow { digest: u64::MAX, length: u32::MAX };
 const PATCH: PatchLook = PatchLook {
     region: u8::MAX,
@@ -32,15 +34,8 @@ const PATCH: PatchLook = PatchLook {
     torque: [f32::MIN; 3],
     depth: f32::MIN,
 };
-const STATISTICS: Statistics = Statistics {
-    session: SUMMARY,
-    viewers: u8::MAX,
-    sent: u64::MAX,
-    dropped: u64::MAX,
-    missed: u64::MAX,
-    record_dropped: u64::MAX,
-    rejected: u32::MAX,
-};
+const STATISTICS: Statistics =
+    Statistics { session: SUMMARY, viewers: u8::MAX, sent: u64::MAX, dropped: u64::MAX, missed: u64::MAX, rejected: u32::MAX };
 
 fn full<T: Clone, const N: usize>(value: T) -> List<T, N> {
     core::iter::repeat_n(value, N).collect()
@@ -175,6 +170,7 @@ fn to_viewer() -> Vec<ToViewer> {
         ToViewer::Snapshot(snapshot()),
         ToViewer::Surface(block()),
         ToViewer::Statistics(STATISTICS),
+        ToViewer::Event(EVENT),
         ToViewer::Fault(FAULT_RECORD),
         ToViewer::SceneBytes(scene_bytes()),
         ToViewer::RecordBytes(record_bytes()),
@@ -183,8 +179,16 @@ fn to_viewer() -> Vec<ToViewer> {
     ]
 }
 
-const WISHES: [Wish; 7] =
-    [Wish::Activate(1), Wish::Freeze(true), Wish::Tare, Wish::EStop, Wish::Rearm, Wish::Record(true), Wish::Download];
+const WISHES: [Wish; 8] = [
+    Wish::Activate(1),
+    Wish::Tune(TUNING),
+    Wish::Freeze(true),
+    Wish::Tare,
+    Wish::EStop,
+    Wish::Rearm,
+    Wish::Record(true),
+    Wish::Download,
+];
 
 fn viewer_table() -> std::string::String {
     [
@@ -214,6 +218,7 @@ fn viewer_table() -> std::string::String {
         cases("OutputState", &OutputState::ALL),
         structure(&block()),
         structure(&STATISTICS),
+        format!("at most: {CHUNK_BYTES} bytes, {POINTS_IN_MESSAGE} points, {WORDS_BYTES} words, {MAX_PARTS} patches\n"),
     ]
     .concat()
 }
@@ -287,5 +292,5 @@ fn words_are_cut_between_characters() {
     let text: std::string::String = "µ".repeat(WORDS_BYTES);
     let cut = words(&text);
     assert_eq!(cut.len(), WORDS_BYTES);
-    assert_eq!(core::str::from_utf8(&words(&std::format!("x{text}"))).unwrap().chars().count(), WORDS_BYTES / 2);
+    assert_eq!(core::str::from_utf8(&words(&format!("x{text}"))).unwrap().chars().count(), WORDS_BYTES / 2);
 }

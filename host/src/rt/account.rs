@@ -1,7 +1,12 @@
 //! What a session leaves behind: one record a tick, figures, and news for who looks on. Everything goes into bounded queues whose
 //! memory is there from the start; what does not fit is dropped and counted.
 
-use haptor_wire::{FaultRecord, FromHost, Progress, Quantiles, Record, RtReport, SessionHello, Summary, TickRecord};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use haptor_wire::{
+    FaultRecord, FromHost, Place, Progress, Quantiles, Record, RtReport, SessionHello, Summary, TickRecord, Tuning,
+};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::blackbox::BlackBox;
@@ -23,9 +28,11 @@ const PROGRESS_EVERY_NS: u64 = 100_000_000;
 #[derive(Debug)]
 pub struct Readers {
     /// The device, ticks and faults, for the recording.
-    pub records: Consumer<Record>,
+    pub records: Consumer<Record<'static>>,
     /// Hello, progress and faults, for the status.
     pub news: Consumer<FromHost>,
+    /// Set by the recorder to ask for a `Rest` in the recording.
+    pub rest_wanted: Arc<AtomicBool>,
 }
 
 /// The books of a session.
@@ -37,9 +44,12 @@ pub struct Account {
     peak_force: f32,
     peak_torque: f32,
     black_box: BlackBox,
-    records: Producer<Record>,
+    records: Producer<Record<'static>>,
     news: Producer<FromHost>,
+    rest_wanted: Arc<AtomicBool>,
     dropped: u64,
+    /// Records dropped since the last that found room.
+    missing: u64,
     progress_due_ns: u64,
     /// A fault latched in the tick that is not booked yet.
     fault: Option<FaultRecord>,
@@ -60,11 +70,14 @@ impl Account {
             black_box,
             records,
             news,
+            rest_wanted: Arc::default(),
             dropped: 0,
+            missing: 0,
             progress_due_ns: 0,
             fault: None,
         };
-        (account, Readers { records: records_out, news: news_out })
+        let rest_wanted = Arc::clone(&account.rest_wanted);
+        (account, Readers { records: records_out, news: news_out, rest_wanted })
     }
 
     /// Ticks so far.
@@ -74,9 +87,22 @@ impl Account {
     }
 
     /// The session begins.
-    pub fn begin(&mut self, hello: SessionHello) {
+    pub fn begin(&mut self, hello: SessionHello, tuning: &Tuning, place: &Place) {
         self.tell(FromHost::Hello(hello));
-        self.keep(Record::Device(hello));
+        self.rest(hello, tuning, place);
+    }
+
+    /// The core is at rest: from here on a reader can compute every tick again, whatever it has missed.
+    pub fn rest(&mut self, hello: SessionHello, tuning: &Tuning, place: &Place) {
+        self.rest_wanted.store(false, Ordering::Relaxed);
+        let settings = [Record::Device(hello), Record::Tuning(*tuning), Record::Place(*place), Record::Rest];
+        settings.into_iter().for_each(|record| self.keep(record));
+    }
+
+    /// The recorder asks for a rest.
+    #[must_use]
+    pub fn rest_wanted(&self) -> bool {
+        self.rest_wanted.load(Ordering::Relaxed)
     }
 
     /// Closes a tick: `stepped` = the core ran in it.
@@ -124,8 +150,15 @@ impl Account {
         self.black_box.hand_over(fault);
     }
 
-    fn keep(&mut self, record: Record) {
-        self.dropped += u64::from(self.records.push(record).is_err());
+    /// Records what is said, or that it could not be.
+    pub fn keep(&mut self, record: Record<'static>) {
+        if self.missing > 0 && self.records.push(Record::Lost { count: self.missing }).is_ok() {
+            self.missing = 0;
+        }
+        if self.missing > 0 || self.records.push(record).is_err() {
+            self.missing += 1;
+            self.dropped += 1;
+        }
     }
 
     /// News that find no room are old news to a reader that slow; the summary does not go this way.

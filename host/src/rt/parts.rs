@@ -1,7 +1,7 @@
 //! The parts of a tick, in the order in which [`super::control::Control::tick`] calls them.
 
 use haptor_contact::Wrench;
-use haptor_wire::device::{Mode, PoseReport, ToDevice};
+use haptor_wire::device::{DeviceHello, Mode, PoseReport, ToDevice};
 use haptor_wire::units::{nm_to_metres, q30_to_unit};
 use haptor_wire::{
     FaultRecord, HostFault, PROTOCOL_VERSION, RtReport, SessionHello, TOOL_SCHEMA_HASH, TickRecord, VersionMismatch,
@@ -133,7 +133,13 @@ impl<C: Clock> Control<C> {
         // refused only when the device claims next to no force: then the core's own limits stand and the device clamps
         let _ = self.engine.fit(&device);
         self.output.open();
-        self.account.begin(SessionHello {
+        let hello = self.hello(&device);
+        let engine = self.engine.get();
+        self.account.begin(hello, engine.tuning(), engine.placed());
+    }
+
+    fn hello(&self, device: &DeviceHello) -> SessionHello {
+        SessionHello {
             version: PROTOCOL_VERSION,
             schema: TOOL_SCHEMA_HASH,
             period_us: self.settings.period_us(),
@@ -142,7 +148,28 @@ impl<C: Clock> Control<C> {
             max_force_un: device.max_force_un,
             max_torque_unm: device.max_torque_unm,
             rt: self.settings.rt,
-        });
+        }
+    }
+
+    /// Puts the core at rest, and says so: the next tick is as the first of a session.
+    fn rest(&mut self) {
+        let Some(device) = self.handshake.device() else { return };
+        self.engine.rest();
+        self.memory.stepped_at = None;
+        let hello = self.hello(&device);
+        let engine = self.engine.get();
+        self.account.rest(hello, engine.tuning(), engine.placed());
+    }
+
+    /// The recorder wants ticks that can be computed again. It gets them from the first tick on in which a rest cannot be felt: the core ran, there is no contact,
+    /// and next to nothing went out.
+    fn rest_if_wanted(&mut self, wrench: &Wrench<DeviceBase>) {
+        let Memory { record, .. } = &self.memory;
+        let unfelt = record.flags & flags::NO_POSE == 0 && record.regions == 0;
+        let small = wrench.force.length() < SMALL_FORCE && wrench.torque.length() < SMALL_TORQUE;
+        if unfelt && small && self.account.rest_wanted() {
+            self.rest();
+        }
     }
 
     /// Runs the core on a fresh pose. A pose that is none, or that the core refuses, counts as not come.
@@ -211,6 +238,7 @@ impl<C: Clock> Control<C> {
     pub(super) fn close(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot) {
         if let Some((first, start_ns)) = self.memory.session {
             self.book(wrench, slot, first, start_ns);
+            self.rest_if_wanted(wrench);
         }
         self.account.settle();
     }

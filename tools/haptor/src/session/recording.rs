@@ -24,14 +24,14 @@ impl Recording {
     /// # Errors
     /// When the file cannot be read at all.
     pub fn read(path: &Path) -> std::io::Result<Self> {
-        let file = std::fs::read(path)?;
+        let mut file = std::fs::read(path)?;
         let mut recording = Self::default();
-        for record in RecordReader::new(&file) {
+        for record in RecordReader::new(&mut file) {
             match record {
-                Ok(Record::Header(_) | Record::Device(_)) => {}
                 Ok(Record::Tick(tick)) => recording.ticks.push(tick),
                 Ok(Record::Fault(fault)) => recording.faults.push(fault),
                 Ok(Record::End(summary)) => recording.summary = Some(summary),
+                Ok(_) => {}
                 Err(_) => recording.damaged += 1,
             }
         }
