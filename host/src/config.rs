@@ -9,6 +9,8 @@ use crate::link::Address;
 use crate::rt::pace::Follow;
 use crate::rt::policy::RtPolicy;
 use crate::rt::stale::{FADE_TICKS, HOLD_TICKS, StaleRule};
+use crate::viewer::listen::ViewerAddress;
+use haptor_wire::viewer::DEFAULT_ADDRESS;
 
 /// Slowest rate \[Hz\]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
 pub const RATE_MIN_HZ: u32 = 100;
@@ -61,6 +63,13 @@ pub struct Args {
     /// End when standard input is closed, as after Ctrl-C: for a program that starts this one and may die
     #[arg(long)]
     pub until_stdin_closes: bool,
+    /// Let viewers in at HOST:PORT or unix:PATH; without an address at 127.0.0.1:21278, port 0 = a free one. They may steer the session, so nobody gets in
+    /// unless asked to; from beyond this machine only with a token
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
+    pub viewer: Option<ViewerAddress>,
+    /// The token that viewers must know, 64 hexadecimal digits; default: HAPTOR_TOKEN of the environment
+    #[arg(long, value_name = "FILE", requires = "viewer")]
+    pub token_file: Option<PathBuf>,
     /// What ticks follow; default: the clock, with USB the device
     #[arg(long, value_enum)]
     pub pace: Option<PaceArg>,
@@ -126,6 +135,10 @@ pub struct Config {
     pub stale: StaleRule,
     /// The session ends with standard input.
     pub until_stdin_closes: bool,
+    /// Where viewers come in.
+    pub viewer: Option<ViewerAddress>,
+    /// What holds their token.
+    pub token_file: Option<PathBuf>,
 }
 
 impl Config {
@@ -160,6 +173,8 @@ impl Config {
             cpu: args.cpu,
             record: args.record,
             status: args.status,
+            viewer: args.viewer,
+            token_file: args.token_file,
         })
     }
 }

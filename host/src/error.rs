@@ -31,6 +31,14 @@ pub enum HostError {
         /// The system's reason.
         reason: io::Error,
     },
+    /// Nobody can come in where viewers were told to.
+    #[error("viewers cannot come in at {address}: {reason}; choose another address with --viewer, or leave it out")]
+    Listen {
+        /// The address.
+        address: String,
+        /// The system's reason.
+        reason: io::Error,
+    },
     /// The model file is not a baked scene, or not one this build can run.
     #[error("{path}: {reason}", path = path.display())]
     Scene {

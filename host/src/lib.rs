@@ -10,6 +10,7 @@
 //! | [`config`] | arguments, checked |
 //! | [`session`] | the threads of a run and the queues between them |
 //! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
+//! | [`viewer`] | programs that look on and may steer: the server of the viewer link |
 //! | [`error`] | what can go wrong outside the tick |
 //!
 //! The binary `haptor-host` is arguments in, exit code out. Other programs of this project start it and listen to its status; they do
@@ -23,3 +24,4 @@ pub mod reopen;
 pub mod rt;
 pub mod session;
 pub mod status;
+pub mod viewer;

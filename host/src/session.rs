@@ -3,7 +3,8 @@
 //! ```text
 //!  signals, stdin ──stop─► real-time thread ──records, black boxes──► recorder thread ──► files
 //!                             ▲        │    └──news──────────────────► status thread ──► stdout, stderr
-//!                             └─ links ─┴── dead links ──► reopening thread
+//!                             ├─ links ─┴── dead links ──► reopening thread
+//!                             └─ looks, orders ──► viewers' thread ──► sockets    ([`crate::viewer`], when asked for)
 //! ```
 //! The real-time thread ends first: by its ticks, by a signal, with standard input if told so, or because the device speaks another version. Its summary ends the others.
 
@@ -25,10 +26,13 @@ use crate::rt::blackbox::black_box;
 use crate::rt::budget::{Verdict, verdict};
 use crate::rt::clock::Monotonic;
 use crate::rt::control::Control;
+use crate::rt::desk::Desk;
 use crate::rt::line::{Exchange, Line, exchange};
 use crate::rt::parts::Settings;
 use crate::rt::policy;
-use crate::{reopen, status};
+use crate::viewer::entrance::Entrance;
+use crate::viewer::figures::SharedFigures;
+use crate::{reopen, status, viewer};
 use haptor_engine::{Scene, SceneError};
 
 /// How a run went.
@@ -58,11 +62,12 @@ impl Outcome {
 pub fn run(config: &Config) -> Result<Outcome, HostError> {
     let (scene, file) = read_scene(config)?;
     let link = open(&config.device)?;
+    let guests = Entrance::open(config)?;
     let stop = stop_on_signals()?;
     if config.until_stdin_closes {
         stop_with_stdin(Arc::clone(&stop))?;
     }
-    thread::scope(|scope| supervise(scope, config, &scene, link, Origin::new(config.rate_hz, file), &stop))
+    thread::scope(|scope| supervise(scope, config, &scene, link, Origin::new(config.rate_hz, file), guests, &stop))
 }
 
 fn read_scene(config: &Config) -> Result<(Scene, Arc<[u8]>), HostError> {
@@ -106,31 +111,42 @@ fn supervise<'scope>(
     scene: &'scope Scene,
     link: AnyLink,
     origin: Origin,
+    (entrance, desk): (Option<Entrance>, Desk),
     stop: &'scope AtomicBool,
 ) -> Result<Outcome, HostError> {
     let (links, opener) = exchange();
     let (black_box, dumps) = black_box();
     let (account, readers) = Account::new(black_box);
     let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
-    let (ready, is_ready) = mpsc::channel();
+    let ((tell_viewers, viewers_end), (ready, is_ready)) = (mpsc::channel(), mpsc::channel());
     let (news, sources) = (readers.news, Sources { records: readers.records, dumps, rest_wanted: readers.rest_wanted });
     start(scope, "reopen", move || reopen::run(opener, &config.device))?;
     let status = start(scope, "status", move || status::run(config.status, config.rate_hz, news, &status_end))?;
-    let real_time = start(scope, "real-time", move || real_time(config, scene, link, links, account, &ready, stop))?;
+    let real_time = start(scope, "real-time", move || real_time(config, scene, (link, links), account, desk, &ready, stop))?;
     if is_ready.recv().is_err() {
         // it ended before it was ready: it says why
         join("real-time", real_time)??;
         return Err(HostError::Panicked { name: "real-time" });
     }
-    let recorder = Recorder::create(origin, config.record.clone(), config.black_box.clone());
-    let recorder = recorder.and_then(|(recorder, _)| start(scope, "recorder", move || recorder.run(sources, &recorder_end)));
-    stop.fetch_or(recorder.is_err(), Ordering::Relaxed);
+    let figures = SharedFigures::default();
+    let recorder = Recorder::create(origin.clone(), config.record.clone(), config.black_box.clone());
+    let attended = recorder.and_then(|(recorder, orders)| {
+        let recorder = recorder.with_figures(figures.clone());
+        let session = viewer::entrance::Session { scene: scene.clone(), origin, recorder: orders, figures, end: viewers_end };
+        let recorder = start(scope, "recorder", move || recorder.run(sources, &recorder_end))?;
+        Ok((recorder, entrance.map(|entrance| entrance.serve(scope, session)).transpose()?))
+    });
+    stop.fetch_or(attended.is_err(), Ordering::Relaxed);
 
     let (summary, mismatch) = join("real-time", real_time)??;
     // a thread that is gone has said why; it does not change how the session went
     let _ = tell_recorder.send(summary);
     let _ = tell_status.send(summary);
-    let written = join("recorder", recorder?)?;
+    let (recorder, viewers) = attended?;
+    let written = join("recorder", recorder)?;
+    // viewers get the recording's end with their last bytes
+    let _ = tell_viewers.send(summary);
+    viewers.map_or(Ok(()), |viewers| join("viewers", viewers))?;
     join("status", status)?;
     Ok(Outcome { summary, mismatch, written })
 }
@@ -139,9 +155,9 @@ fn supervise<'scope>(
 fn real_time(
     config: &Config,
     scene: &Scene,
-    link: AnyLink,
-    links: Exchange,
+    (link, links): (AnyLink, Exchange),
     account: Account,
+    desk: Desk,
     ready: &mpsc::Sender<()>,
     stop: &AtomicBool,
 ) -> Result<(Summary, Option<VersionMismatch>), HostError> {
@@ -155,14 +171,15 @@ fn real_time(
         stale: config.stale,
         rt: obtained.report,
     };
-    let mut control = Control::new(settings, Monotonic, line, engine, account);
+    let mut control = Control::new(settings, Monotonic, line, engine, account, desk);
     // a supervisor that is gone will not be served better by stopping here
     let _ = ready.send(());
     control.run(stop);
     Ok((control.summary(obtained.report), control.mismatch()))
 }
 
-fn start<'scope, T: Send + 'scope>(
+/// Starts a thread of a session.
+pub(crate) fn start<'scope, T: Send + 'scope>(
     scope: &'scope Scope<'scope, '_>,
     name: &'static str,
     body: impl FnOnce() -> T + Send + 'scope,

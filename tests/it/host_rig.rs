@@ -17,6 +17,7 @@ use haptor_host::rt::account::{Account, Readers};
 use haptor_host::rt::blackbox::{BlackBoxReader, black_box};
 use haptor_host::rt::clock::{Clock, Virtual};
 use haptor_host::rt::control::Control;
+use haptor_host::rt::desk::{Counter, desk};
 use haptor_host::rt::line::{Line, Opener, exchange};
 use haptor_host::rt::pace::Follow;
 use haptor_host::rt::parts::Settings;
@@ -176,6 +177,8 @@ impl Link for Cable {
 pub struct Rig {
     pub control: Control<Virtual>,
     pub far: Arc<Mutex<Far>>,
+    /// The other side of the loop's desk, until somebody takes it.
+    pub counter: Option<Counter>,
     opener: Opener,
     readers: Readers,
     pub dumps: BlackBoxReader,
@@ -222,8 +225,20 @@ impl Rig {
         let engine = Scene::new(scene).and_then(|scene| scene.engine()).expect("a good scene");
         let settings = settings(ticks);
         let line = Line::new(wrap(Cable(Arc::clone(&far))), links);
-        let control = Control::new(settings, clock, line, engine, account);
-        Self { control, far, opener, readers, dumps, ticks: Vec::new(), device: None, faults: Vec::new(), told: Vec::new() }
+        let (desk, counter) = desk();
+        let control = Control::new(settings, clock, line, engine, account, desk);
+        Self {
+            control,
+            far,
+            counter: Some(counter),
+            opener,
+            readers,
+            dumps,
+            ticks: Vec::new(),
+            device: None,
+            faults: Vec::new(),
+            told: Vec::new(),
+        }
     }
 
     pub fn far(&self) -> MutexGuard<'_, Far> {

@@ -12,6 +12,7 @@ use haptor_host::rt::account::Account;
 use haptor_host::rt::blackbox::black_box;
 use haptor_host::rt::clock::Virtual;
 use haptor_host::rt::control::Control;
+use haptor_host::rt::desk::closed_desk;
 use haptor_host::rt::flags;
 use haptor_host::rt::line::{Line, exchange};
 use haptor_wire::{
@@ -159,7 +160,7 @@ fn lonely(capacity: usize) -> (Control<Virtual>, mem::MemLink) {
     let (account, _) = Account::new(black_box().0);
     let scene: &'static Scene = Box::leak(Box::new(Scene::new(&ball_on_cube()).unwrap()));
     let line = Line::new(Box::new(host), links);
-    (Control::new(settings(None), Virtual::default(), line, scene.engine().unwrap(), account), device)
+    (Control::new(settings(None), Virtual::default(), line, scene.engine().unwrap(), account, closed_desk()), device)
 }
 
 #[test]

@@ -32,7 +32,7 @@ static AT_REST: Memory = State::new();
 /// The contact core with its four kinds of data, and the device's place.
 #[derive(Debug)]
 pub struct Engine<'a> {
-    model: Model<'a>,
+    pub(crate) model: Model<'a>,
     /// Coupling that the scene asks for.
     coupling: wire::Coupling,
     /// What the device renders; before it has said so, the core's own limits.
@@ -40,11 +40,13 @@ pub struct Engine<'a> {
     /// What holds, as it was asked for.
     tuning: Tuning,
     place: wire::Place,
+    /// Where the scene has the device stand.
+    start: wire::Place,
     pub(crate) spec: ParamsSpec,
-    params: Params,
-    state: Memory,
+    pub(crate) params: Params,
+    pub(crate) state: Memory,
     scratch: Scratch<PATCHES>,
-    x_wd: Pose<World, DeviceBase>,
+    pub(crate) x_wd: Pose<World, DeviceBase>,
 }
 
 /// What a tick of the core felt.
@@ -88,6 +90,7 @@ impl<'a> Engine<'a> {
             device: GuardSpec::default(),
             tuning: Tuning::of(baked),
             place: baked.place,
+            start: baked.place,
             spec: setup.params,
             params,
             state: State::new(),
@@ -143,6 +146,12 @@ impl<'a> Engine<'a> {
     #[must_use]
     pub const fn placed(&self) -> &wire::Place {
         &self.place
+    }
+
+    /// Where the scene has the device stand, whatever was placed since.
+    #[must_use]
+    pub const fn start(&self) -> &wire::Place {
+        &self.start
     }
 
     /// Puts the core at rest: the next tick is as the first of a new engine with the same device, tuning and place. A contact that the next pose is in begins anew, let

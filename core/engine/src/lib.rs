@@ -16,6 +16,7 @@
 //! | `scene` | a scene with the meshes and tables that its file carries, and engines that own one (feature `std`) |
 //! | [`engine`] | the running core: fitted to a device, stepped once a tick |
 //! | [`tuned`] | what changes an engine between two ticks |
+//! | `look` | what can be seen of an engine, and the surface that follows |
 //! | [`link`] | poses and wrenches of the device link |
 //!
 //! The real-time host runs one; the tool replays recordings with one; both get the same bits. Without the feature `std` there is no heap, and
@@ -29,6 +30,7 @@ pub mod engine;
 mod error;
 pub mod frames;
 pub mod link;
+mod look;
 pub mod settings;
 pub mod setup;
 pub mod tuned;

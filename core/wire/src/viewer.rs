@@ -23,6 +23,9 @@ use crate::status::{FaultRecord, SessionHello, Summary};
 use crate::tuning::Tuning;
 use crate::viewer_look::{Snapshot, Statistics, SurfaceBlock};
 
+/// Where a host lets viewers in when told to without an address, and where viewers look for one: a port below those that systems hand out by themselves.
+pub const DEFAULT_ADDRESS: &str = "127.0.0.1:21278";
+
 /// Bytes of a model or a recording in one message at most: a few hundred messages a megabyte, and a buffer that fits any stack.
 pub const CHUNK_BYTES: usize = 4096;
 
@@ -83,7 +86,6 @@ impl FromViewer {
 
 /// Everything the host says to a viewer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "a message lives from its decoding to its handling, never in a collection")]
 pub enum ToViewer {
     /// Why the host closes the connection; its last message.
     Refused(Refusal),

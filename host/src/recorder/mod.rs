@@ -30,6 +30,7 @@ use self::origin::{Frames, Origin, Standing, append};
 use self::tap::TapEnd;
 use crate::error::HostError;
 use crate::rt::blackbox::{BlackBoxReader, Dump};
+use crate::viewer::figures::SharedFigures;
 
 /// Time between two looks at the queues, and so the most that a kill can cost.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
@@ -88,6 +89,7 @@ pub struct Recorder {
     /// Records told as lost.
     lost: u64,
     written: Written,
+    figures: SharedFigures,
 }
 
 impl Recorder {
@@ -108,9 +110,16 @@ impl Recorder {
             rest_wanted: Arc::default(),
             lost: 0,
             written: Written::default(),
+            figures: SharedFigures::default(),
         };
         recording.map_or(Ok(()), |path| recorder.begin(path))?;
         Ok((recorder, asked))
+    }
+
+    /// Keeps these figures of the session, for others to read.
+    #[must_use]
+    pub fn with_figures(self, figures: SharedFigures) -> Self {
+        Self { figures, ..self }
     }
 
     /// Writes what comes until the summary, or until nobody can send one any more.
@@ -176,6 +185,7 @@ impl Recorder {
             _ => {}
         }
         self.standing.note(record);
+        self.figures.note(record);
         self.pass(record);
     }
 

@@ -39,6 +39,12 @@ impl Origin {
         Self { header, scene }
     }
 
+    /// The scene's file.
+    #[must_use]
+    pub const fn scene(&self) -> &Arc<[u8]> {
+        &self.scene
+    }
+
     /// Header, tables and scene.
     pub fn frames(&self) -> Result<Vec<u8>, FrameError> {
         let mut frames = self.head(self.header)?;

@@ -161,6 +161,12 @@ impl Account {
         }
     }
 
+    /// Records that found no room so far.
+    #[must_use]
+    pub const fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
     /// News that find no room are old news to a reader that slow; the summary does not go this way.
     fn tell(&mut self, message: FromHost) {
         let _ = self.news.push(message);
@@ -191,6 +197,6 @@ impl Account {
 }
 
 /// Length of a vector, in f64 so that no square overflows.
-fn length(v: [f32; 3]) -> f32 {
+pub(crate) fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt() as f32
 }

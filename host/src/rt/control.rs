@@ -6,9 +6,11 @@ use haptor_wire::{RtReport, Summary};
 
 use super::account::Account;
 use super::clock::Clock;
+use super::desk::Desk;
 use super::faults::Faults;
 use super::handshake::Handshake;
 use super::line::Line;
+use super::orders::Pause;
 use super::pace::Pace;
 use super::parts::{Memory, Settings};
 use super::stale::Output;
@@ -27,17 +29,21 @@ pub struct Control<C> {
     pub(super) faults: Faults,
     pub(super) account: Account,
     pub(super) memory: Memory,
+    pub(super) desk: Desk,
+    pub(super) pause: Pause,
 }
 
 impl<C: Clock> Control<C> {
     /// A loop at rest, with all its memory; the first tick is due now.
-    pub fn new(settings: Settings, clock: C, line: Line, engine: OwnedEngine, account: Account) -> Self {
+    pub fn new(settings: Settings, clock: C, line: Line, engine: OwnedEngine, account: Account, desk: Desk) -> Self {
         Self {
             pace: Pace::new(settings.follow, settings.period_ns(), &clock),
             handshake: Handshake::new(settings.period_us()),
             output: Output::new(settings.stale),
             faults: Faults::default(),
             memory: Memory::default(),
+            pause: Pause::default(),
+            desk,
             settings,
             clock,
             line,
@@ -60,6 +66,7 @@ impl<C: Clock> Control<C> {
         let got = self.line.gather(&self.clock, slot.receive_until_ns);
         let slot = self.pace.arrived(slot, &self.clock);
         self.obey(&got, &slot);
+        self.attend(&slot);
         self.begin_session(&slot);
         let offer = self.feel(&got, &slot);
         let wrench = self.choose(&offer, &got, &slot);

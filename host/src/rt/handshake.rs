@@ -5,6 +5,8 @@
 //!    ▲                         │ versions differ ──► Refuse                                              │
 //!    └── fault, restart, silence, new link ◄───────────────────────────────────────────────────────────┘
 //! ```
+//! While **stopped** (somebody hit the emergency stop) nothing is asked for but the brake, wherever the session stands and whatever happens to the link;
+//! re-armed, it begins anew.
 //! The first message is a reset, so that a fault or a session left by another host does not matter. Every request is repeated
 //! until the device's answer shows it was heard.
 
@@ -53,13 +55,23 @@ pub struct Handshake {
     device: Option<DeviceHello>,
     /// The mode of the newest report.
     mode: Mode,
+    /// Somebody hit the emergency stop.
+    stopped: bool,
 }
 
 impl Handshake {
     /// Begins anew with a request for reports every `period_us`.
     #[must_use]
     pub const fn new(period_us: u32) -> Self {
-        Self { phase: Phase::Reset { from: 0 }, period_us, asked_at: None, silent: 0, device: None, mode: Mode::Reset }
+        Self {
+            phase: Phase::Reset { from: 0 },
+            period_us,
+            asked_at: None,
+            silent: 0,
+            device: None,
+            mode: Mode::Reset,
+            stopped: false,
+        }
     }
 
     /// Where the session stands.
@@ -71,7 +83,30 @@ impl Handshake {
     /// True while the device renders the wrenches it is sent.
     #[must_use]
     pub fn is_running(&self) -> bool {
-        self.phase == Phase::Run
+        self.phase == Phase::Run && !self.stopped
+    }
+
+    /// The device is to brake from now on.
+    pub const fn stop(&mut self) {
+        (self.stopped, self.asked_at) = (true, None);
+    }
+
+    /// Back from the emergency stop: begins anew.
+    pub fn rearm(&mut self, tick: u64) {
+        self.stopped = false;
+        self.enter(Phase::Reset { from: tick });
+    }
+
+    /// True while the emergency stop holds.
+    #[must_use]
+    pub const fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// The mode that the device reported last.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
     }
 
     /// Who the device is, once it has said so.
@@ -136,6 +171,7 @@ impl Handshake {
         self.mode = pose.mode;
         match (self.phase, pose.mode) {
             (Phase::Arm, Mode::Force) => self.enter(Phase::Run),
+            (_, Mode::Brake) if self.stopped => {}
             (Phase::Run | Phase::Arm, Mode::Brake) => return Some(braked_for(pose.flags)),
             (Phase::Run, Mode::Reset) => return Some(HostFault::DeviceRestarted),
             // somebody rests the device, e.g. a switch on it: ask again, forces come back by the small-force rule
@@ -161,6 +197,9 @@ impl Handshake {
     /// What to say to the device in this tick, if anything but a wrench.
     pub fn ask(&mut self, tick: u64) -> Option<ToDevice> {
         let (message, every) = match self.phase {
+            Phase::Refuse(_) => return None,
+            _ if self.stopped && self.mode == Mode::Brake => return None,
+            _ if self.stopped => (ToDevice::SetMode(Mode::Brake), MODE_EVERY),
             Phase::Reset { from } if tick >= from => {
                 self.enter(Phase::Greet);
                 return Some(ToDevice::SetMode(Mode::Reset));
@@ -168,7 +207,7 @@ impl Handshake {
             Phase::Greet => (ToDevice::Hello(self.hello()), HELLO_EVERY),
             Phase::Arm if self.mode == Mode::Reset => (ToDevice::SetMode(Mode::Idle), MODE_EVERY),
             Phase::Arm => (ToDevice::SetMode(Mode::Force), MODE_EVERY),
-            Phase::Reset { .. } | Phase::Run | Phase::Refuse(_) => return None,
+            Phase::Reset { .. } | Phase::Run => return None,
         };
         if self.asked_at.is_some_and(|at| tick < at + every) {
             return None;
@@ -277,6 +316,26 @@ mod tests {
             assert_eq!(h.ask(50 + RECOVER_AFTER - 1), None);
             assert_eq!(h.ask(50 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Reset)));
         }
+    }
+
+    #[test]
+    fn stopped_it_asks_for_the_brake_and_nothing_else_until_re_armed() {
+        let mut h = running();
+        h.stop();
+        assert_eq!((h.is_running(), h.ask(50)), (false, Some(ToDevice::SetMode(Mode::Brake))));
+        assert_eq!(
+            (h.ask(51), h.ask(50 + MODE_EVERY)),
+            (None, Some(ToDevice::SetMode(Mode::Brake))),
+            "repeated until it is seen"
+        );
+        assert_eq!(h.observe(&pose(Mode::Brake, 0), 61), None, "a brake that was asked for is no fault");
+        assert_eq!(h.ask(1000), None);
+        // a device that lost its power meanwhile is asked again, and not greeted
+        assert_eq!(h.observe(&Arrivals { restarted: true, ..pose(Mode::Reset, 0) }, 1001), Some(HostFault::DeviceRestarted));
+        assert_eq!(h.ask(1001 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Brake)));
+        h.rearm(2000);
+        assert_eq!(h.ask(2000), Some(ToDevice::SetMode(Mode::Reset)));
+        assert!(matches!(h.ask(2001), Some(ToDevice::Hello(_))));
     }
 
     #[test]

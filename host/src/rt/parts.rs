@@ -9,6 +9,7 @@ use haptor_wire::{
 
 use super::clock::Clock;
 use super::control::Control;
+use super::desk::Note;
 use super::faults::stale_cause;
 use super::flags;
 use super::handshake::Phase;
@@ -116,10 +117,17 @@ impl<C: Clock> Control<C> {
             let fault = FaultRecord { cause, tick: self.session_tick(slot), after_ticks };
             self.faults.latch(fault);
             self.account.fault(fault);
+            self.desk.tell(Note::Fault(fault));
         }
     }
 
-    fn session_tick(&self, slot: &Slot) -> u64 {
+    /// Whether the device has rendered forces in this run.
+    pub(super) const fn has_session(&self) -> bool {
+        self.memory.session.is_some()
+    }
+
+    /// Number of a tick of the session.
+    pub(super) fn session_tick(&self, slot: &Slot) -> u64 {
         self.memory.session.map_or(0, |(first, _)| slot.tick - first)
     }
 
@@ -136,6 +144,7 @@ impl<C: Clock> Control<C> {
         let hello = self.hello(&device);
         let engine = self.engine.get();
         self.account.begin(hello, engine.tuning(), engine.placed());
+        self.desk.tell(Note::Device(hello));
     }
 
     fn hello(&self, device: &DeviceHello) -> SessionHello {
@@ -152,7 +161,7 @@ impl<C: Clock> Control<C> {
     }
 
     /// Puts the core at rest, and says so: the next tick is as the first of a session.
-    fn rest(&mut self) {
+    pub(super) fn rest(&mut self) {
         let Some(device) = self.handshake.device() else { return };
         self.engine.rest();
         self.memory.stepped_at = None;
@@ -176,6 +185,9 @@ impl<C: Clock> Control<C> {
     pub(super) fn feel(&mut self, got: &Arrivals, slot: &Slot) -> Offer {
         self.memory.record.flags = flags::NO_POSE;
         self.memory.record.step_ns = 0;
+        if self.pause.stands() {
+            return Offer::Missing;
+        }
         let (Some(pose), Some(_)) = (&got.pose, self.memory.session) else { return Offer::Missing };
         self.memory.echo = pose.seq;
         let Some(x_dh) = handle_pose(pose) else { return self.refuse() };
@@ -209,6 +221,8 @@ impl<C: Clock> Control<C> {
             Served::Fresh => {}
             Served::Held => self.memory.record.flags |= flags::HELD,
             Served::Closed => self.memory.record.flags |= flags::CLOSED,
+            // the core stands because somebody wants it to
+            Served::Expired { .. } if self.pause.stands() => self.memory.record.flags |= flags::CLOSED,
             Served::Expired { after_ticks } => {
                 self.memory.record.flags |= flags::CLOSED;
                 self.trip(stale_cause(got.nonsense, self.memory.refused), after_ticks, slot);
@@ -238,6 +252,7 @@ impl<C: Clock> Control<C> {
     pub(super) fn close(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot) {
         if let Some((first, start_ns)) = self.memory.session {
             self.book(wrench, slot, first, start_ns);
+            self.show(wrench);
             self.rest_if_wanted(wrench);
         }
         self.account.settle();
@@ -281,6 +296,21 @@ fn is_small(felt: &Felt) -> bool {
 }
 
 impl Memory {
+    /// Regions in contact when the core last ran.
+    pub(super) const fn regions(&self) -> u8 {
+        self.record.regions
+    }
+
+    /// Position `p_dh` of the handle in the last pose the core took \[m\].
+    pub(super) const fn handle(&self) -> [f32; 3] {
+        self.record.position
+    }
+
+    /// What this tick is recorded as.
+    pub(super) const fn record(&self) -> &TickRecord {
+        &self.record
+    }
+
     /// Keeps pose and contact for the record.
     fn note(&mut self, pose: &PoseReport, felt: &Felt, took_ns: u64) {
         let record = &mut self.record;
