@@ -4,6 +4,7 @@
 //! the device's own ticks until bytes come. Drills change what the link does, as the same things happen to cables.
 
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
@@ -26,6 +27,7 @@ use haptor_wire::{
     BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart,
     ProbeParts, ProbeShape, Record, RtReport, SessionHello, Summary, TickRecord, Tier,
 };
+use rtrb::Producer;
 
 /// Ticks a second of every rig.
 pub const RATE_HZ: u32 = 1000;
@@ -179,6 +181,10 @@ pub struct Rig {
     pub far: Arc<Mutex<Far>>,
     /// The other side of the loop's desk, until somebody takes it.
     pub counter: Option<Counter>,
+    /// Everything recorded so far.
+    pub records: Vec<Record<'static>>,
+    /// Where everything recorded goes too.
+    pub copies: Option<Producer<Record<'static>>>,
     opener: Opener,
     readers: Readers,
     pub dumps: BlackBoxReader,
@@ -231,6 +237,8 @@ impl Rig {
             control,
             far,
             counter: Some(counter),
+            copies: None,
+            records: Vec::new(),
             opener,
             readers,
             dumps,
@@ -254,6 +262,10 @@ impl Rig {
     /// Takes what the queues hold.
     pub fn collect(&mut self) {
         while let Ok(record) = self.readers.records.pop() {
+            if let Some(copies) = &mut self.copies {
+                copies.push(record).expect("the recorder keeps up");
+            }
+            self.records.push(record);
             match record {
                 Record::Tick(tick) => self.ticks.push(tick),
                 Record::Fault(fault) => self.faults.push(fault),
@@ -280,6 +292,11 @@ impl Rig {
         self.far().plug_in();
         let link: AnyLink = Box::new(Cable(Arc::clone(&self.far)));
         self.opener.fresh.push(link).expect("room for a link");
+    }
+
+    /// The flag by which a recorder asks for a rest.
+    pub fn rest_wanted(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.readers.rest_wanted)
     }
 
     pub fn summary(&self) -> Summary {

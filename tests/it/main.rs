@@ -37,3 +37,5 @@ mod state_room;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+mod viewer_link;
+mod viewer_rig;
