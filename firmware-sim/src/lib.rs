@@ -15,7 +15,7 @@
 //! allocates nothing, so the same calls give the same bytes on a PC and on a microcontroller. Frames: `d` device base, `h`
 //! handle; the handle's pose is `x_dh`. At the start of every script the handle is at the origin of `d`, unrotated, and the host
 //! places `d` so that the probe then hovers [`script::CLEARANCE`] above the object. The binary `haptor-firmware-sim` (feature
-//! `serve`) runs it in real time behind a pseudo terminal or a TCP port.
+//! `serve`) runs it in real time behind a pseudo terminal, a TCP port or a USB cable.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

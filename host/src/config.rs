@@ -30,7 +30,8 @@ pub const SECONDS_MAX: f64 = 2.7e6;
 pub struct Args {
     /// The baked scene (`haptor bake SCENE -o MODEL`)
     pub model: PathBuf,
-    /// The device: serial:PATH, tcp:HOST:PORT, usb or usb:SERIAL
+    /// The device: serial:PATH, serial:NUMBER (of its USB device), tcp:HOST:PORT, usb, usb:SERIAL, or by its bulk endpoints usb-bulk,
+    /// usb-bulk:SERIAL
     #[arg(long, value_name = "DEVICE")]
     pub device: Address,
     /// Ticks a second

@@ -16,9 +16,11 @@ const RETRY: Duration = Duration::from_millis(20);
 pub fn run(mut opener: Opener, device: &Address) {
     while !opener.dead.is_abandoned() {
         if let Ok(dead) = opener.dead.pop() {
+            // the device that was lost, and not another that fits the address
+            let same = dead.name().parse().unwrap_or_else(|_| device.clone());
             drop(dead);
-            if device.comes_back() {
-                reopen(&mut opener, device);
+            if same.comes_back() {
+                reopen(&mut opener, &same);
             }
         }
         thread::sleep(RETRY);

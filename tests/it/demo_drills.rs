@@ -2,15 +2,13 @@
 //! Whatever happens, the wrench is zero from the fault on, the fault is named, nothing hangs, nothing is left running, and the
 //! recording up to then reads.
 //!
-//! Time is no part of what is judged: a test waits until the recording shows what it waits for, and [`PATIENCE`] only ends one that
+//! Time is no part of what is judged: a test waits until the recording shows what it waits for, and [`served::PATIENCE`] only ends one that
 //! hangs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::sync::{MutexGuard, OnceLock};
 
 use haptor_host::rt::flags;
 use haptor_host::rt::stale::SMALL_FORCE;
@@ -19,9 +17,7 @@ use haptor_wire::{FaultRecord, HostFault, Record, Summary, TickRecord};
 
 use crate::cli::{built, root};
 use crate::host_rig::length;
-
-/// After this a program counts as hanging and the test fails: many times what a session of some seconds takes.
-const PATIENCE: Duration = Duration::from_secs(90);
+use crate::served::{self, alone, patiently};
 
 /// A two-second session into the folder of the test.
 const DEMO: [&str; 5] = ["demo", "--seconds", "2", "-o", "."];
@@ -37,12 +33,6 @@ const MARK: &str = "HAPTOR_TEST_MARK";
 
 /// Force at which the hand is taken to press \[N\].
 const PRESSING: f32 = 3.0;
-
-/// Sessions of three processes in real time, one after the other.
-fn alone() -> MutexGuard<'static, ()> {
-    static ONE: Mutex<()> = Mutex::new(());
-    ONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// The tool, with the programs it starts built beside it.
 fn tool() -> &'static Path {
@@ -117,12 +107,12 @@ impl Run {
     fn signal(&self, name: &str, signal: &str) {
         let processes = self.processes();
         let (id, _) = processes.iter().find(|(_, comm)| comm.starts_with(name)).unwrap_or_else(|| panic!("{processes:?}"));
-        send(*id, signal);
+        served::signal(*id, signal);
     }
 
     /// Sends a signal to the tool itself.
     fn signal_tool(&self, signal: &str) {
-        send(self.child.as_ref().expect("it runs").id(), signal);
+        served::signal(self.child.as_ref().expect("it runs").id(), signal);
     }
 
     /// Waits for the tool's end, and for that of everything it started.
@@ -141,18 +131,6 @@ impl Drop for Run {
             let _ = child.kill();
             let _ = child.wait();
         }
-    }
-}
-
-fn send(id: u32, signal: &str) {
-    assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {id}")]).status().unwrap().success());
-}
-
-fn patiently(what: &str, mut done: impl FnMut() -> bool) {
-    let begin = Instant::now();
-    while !done() {
-        assert!(begin.elapsed() < PATIENCE, "waited in vain until {what}");
-        thread::sleep(Duration::from_millis(5));
     }
 }
 

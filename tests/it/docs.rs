@@ -22,6 +22,10 @@ fn every_command_has_help_with_an_example() {
         &["mesh"],
         &["mesh", "info"],
         &["mesh", "check"],
+        &["mesh", "repair"],
+        &["mesh", "reduce"],
+        &["mesh", "bake"],
+        &["mesh", "make"],
         &["devices"],
         &["doctor"],
     ];

@@ -4,6 +4,8 @@ mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
 mod bits;
+mod c_abi;
+mod c_device;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;
@@ -23,6 +25,7 @@ mod host_rig;
 mod influence;
 mod invariance;
 mod link_faults;
+mod mesh_files;
 mod mesh_scenes;
 mod meshes;
 mod no_alloc;
@@ -31,6 +34,8 @@ mod profiles;
 mod region_limit;
 mod scene_errors;
 mod scenes;
+mod serial;
+mod served;
 mod session;
 mod stability;
 mod state_room;

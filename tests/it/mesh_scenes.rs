@@ -121,7 +121,7 @@ fn a_mesh_that_cannot_be_felt_is_refused_by_line_file_and_reason() {
         ("shape = \"mesh\"\nfile = 3", &["s.toml:3:", "object.file = 3", "type integer"]),
         ("shape = \"mesh\"\nfile = \"none.stl\"", &["s.toml:3:", "object.file = \"none.stl\"", "cannot be opened"]),
         ("shape = \"mesh\"\nfile = \".\"", &["s.toml:3:", "not a regular file"]),
-        ("shape = \"mesh\"\nfile = \"text.stl\"", &["s.toml:3:", "no readable STL file"]),
+        ("shape = \"mesh\"\nfile = \"text.stl\"", &["s.toml:3:", "no readable binary STL file"]),
         ("shape = \"mesh\"\nfile = \"open.stl\"", &["s.toml:3:", "not the skin of a solid", "holes"]),
         ("shape = \"mesh\"\nfile = \"inside-out.stl\"", &["s.toml:3:", "not the skin of a solid", "inside out"]),
         ("shape = \"mesh\"\nfile = \"tiny.stl\"", &["s.toml:3:", "1.000e-7", "1e-6 to 1e2 m", "scale"]),

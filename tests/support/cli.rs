@@ -20,6 +20,13 @@ pub fn haptor() -> assert_cmd::Command {
 
 /// Builds a program and yields its path.
 pub fn built(package: &str) -> PathBuf {
+    let program = build(package).join(package);
+    assert!(program.is_file(), "{} is missing after its build", program.display());
+    program
+}
+
+/// Builds a package; yields the folder in which its programs and libraries then lie.
+pub fn build(package: &str) -> PathBuf {
     // target/PROFILE/deps/it-HASH
     let test = std::env::current_exe().expect("a test knows its path");
     let profile = test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps");
@@ -31,7 +38,17 @@ pub fn built(package: &str) -> PathBuf {
     }
     let status = cargo.status().expect("cargo can be started");
     assert!(status.success(), "{package} does not build");
-    let program = profile.join(package);
-    assert!(program.is_file(), "{} is missing after its build", program.display());
+    profile.to_owned()
+}
+
+/// Compiles a program in C with every warning an error; `more` are further sources, folders and libraries.
+pub fn compiled(source: &str, name: &str, more: &[String]) -> PathBuf {
+    let program = std::env::current_exe().expect("a test knows its path").with_file_name(name);
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]).arg(root().join(source)).args(more);
+    assert!(
+        cc.arg("-o").arg(&program).status().expect("a C compiler is installed as `cc`").success(),
+        "{source} does not compile"
+    );
     program
 }

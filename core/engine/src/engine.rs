@@ -9,6 +9,7 @@ use haptor_wire::units::{un_to_newtons, unm_to_newton_metres};
 use haptor_wire::{DeviceHello, Tuning};
 
 use crate::bodies::Bodies;
+use crate::error::SceneError;
 use crate::frames::{DeviceBase, Handle};
 use crate::settings::{coupling_spec, guard_spec, lower_limits, tier_to_wire};
 use crate::setup::Setup;
@@ -35,6 +36,8 @@ pub struct Engine<'a> {
     pub(crate) model: Model<'a>,
     /// Coupling that the scene asks for.
     coupling: wire::Coupling,
+    /// The body's own table is there.
+    table: bool,
     /// What the device renders; before it has said so, the core's own limits.
     device: GuardSpec,
     /// What holds, as it was asked for.
@@ -47,6 +50,18 @@ pub struct Engine<'a> {
     pub(crate) state: Memory,
     scratch: Scratch<PATCHES>,
     pub(crate) x_wd: Pose<World, DeviceBase>,
+}
+
+/// An engine's memory at a moment: 200 kB. Another engine of the same scene goes on from it and gets the same bits.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    device: GuardSpec,
+    tuning: Tuning,
+    place: wire::Place,
+    spec: ParamsSpec,
+    params: Params,
+    state: Memory,
+    x_wd: Pose<World, DeviceBase>,
 }
 
 /// What a tick of the core felt.
@@ -87,6 +102,7 @@ impl<'a> Engine<'a> {
         Ok(Self {
             model,
             coupling: baked.coupling,
+            table: bodies.green.is_some(),
             device: GuardSpec::default(),
             tuning: Tuning::of(baked),
             place: baked.place,
@@ -106,11 +122,19 @@ impl<'a> Engine<'a> {
     /// # Errors
     /// [`Invalid`] when the device claims to render no force, or less than a coupling can be fitted to; guard and coupling then stay as they were.
     pub fn fit(&mut self, device: &DeviceHello) -> Result<(), Invalid> {
+        self.fit_limits(device.max_force_un, device.max_torque_unm)
+    }
+
+    /// As [`Self::fit`], of all that a device says of itself by what counts: its largest force \[uN\] and torque \[uN m\], 0 = none.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn fit_limits(&mut self, max_force_un: u32, max_torque_unm: u32) -> Result<(), Invalid> {
         let limit = |micro: u32| un_to_newtons(i32::try_from(micro).unwrap_or(i32::MAX));
-        let mut own = GuardSpec { max_force: limit(device.max_force_un), ..GuardSpec::default() };
+        let mut own = GuardSpec { max_force: limit(max_force_un), ..GuardSpec::default() };
         own.max_force_rate = own.max_force / FULL_SCALE_S;
-        if device.max_torque_unm > 0 {
-            own.max_torque = unm_to_newton_metres(i32::try_from(device.max_torque_unm).unwrap_or(i32::MAX));
+        if max_torque_unm > 0 {
+            own.max_torque = unm_to_newton_metres(i32::try_from(max_torque_unm).unwrap_or(i32::MAX));
             own.max_torque_rate = own.max_torque / FULL_SCALE_S;
         }
         let guard = lower_limits(&guard_spec(&self.tuning.guard), &own);
@@ -118,6 +142,14 @@ impl<'a> Engine<'a> {
         self.params = Params::new(&spec)?;
         (self.spec, self.device) = (spec, own);
         Ok(())
+    }
+
+    /// Checks a tuning for this engine.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first value that does not pass.
+    pub fn tuned(&self, tuning: &Tuning) -> Result<Tuned, SceneError> {
+        Tuned::check(&self.coupling, self.table, tuning)
     }
 
     /// Takes over a tuning from the next tick on; what the contact remembers stays. The device's limits hold beside its own, and the coupling stays
@@ -158,6 +190,20 @@ impl<'a> Engine<'a> {
     /// in slowly.
     pub fn rest(&mut self) {
         self.state.clone_from(&AT_REST);
+    }
+
+    /// Everything that the next tick depends on, but for the scene.
+    #[must_use]
+    pub fn keep(&self) -> Kept {
+        let Self { device, tuning, place, spec, params, state, x_wd, .. } = self;
+        Kept { device: *device, tuning: *tuning, place: *place, spec: *spec, params: *params, state: state.clone(), x_wd: *x_wd }
+    }
+
+    /// Goes on as the engine of the same scene that `kept` is of.
+    pub fn go_on_from(&mut self, kept: &Kept) {
+        (self.device, self.tuning, self.place) = (kept.device, kept.tuning, kept.place);
+        (self.spec, self.params, self.x_wd) = (kept.spec, kept.params, kept.x_wd);
+        self.state.clone_from(&kept.state);
     }
 
     /// One tick of the core; `dt` since the previous one \[s\].

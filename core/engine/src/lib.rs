@@ -17,6 +17,7 @@
 //! | [`engine`] | the running core: fitted to a device, stepped once a tick |
 //! | [`tuned`] | what changes an engine between two ticks |
 //! | `look` | what can be seen of an engine, and the surface that follows |
+//! | [`replay`] | recordings computed again |
 //! | [`link`] | poses and wrenches of the device link |
 //!
 //! The real-time host runs one; the tool replays recordings with one; both get the same bits. Without the feature `std` there is no heap, and
@@ -31,6 +32,7 @@ mod error;
 pub mod frames;
 pub mod link;
 mod look;
+pub mod replay;
 pub mod settings;
 pub mod setup;
 pub mod tuned;
@@ -48,7 +50,7 @@ mod table;
 mod tests;
 
 pub use bodies::Bodies;
-pub use engine::{Engine, Felt, SAMPLES};
+pub use engine::{Engine, Felt, Kept, SAMPLES};
 pub use error::SceneError;
 pub use frames::{DeviceBase, Handle};
 pub use link::{command, handle_pose};

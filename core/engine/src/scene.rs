@@ -111,6 +111,11 @@ impl OwnedEngine {
         self.0.borrow_dependent()
     }
 
+    /// Does something with the engine.
+    pub fn with<T>(&mut self, act: impl FnOnce(&mut Engine<'_>) -> T) -> T {
+        self.0.with_dependent_mut(|_, engine| act(engine))
+    }
+
     /// See [`Engine::fit`].
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use haptor_wire::{BakedScene, DeviceHello, Mode, PoseReport, ProbePart, ProbePar
 
 use crate::{OwnedEngine, Placed, Scene, command, handle_pose};
 
-fn baked() -> BakedScene {
+pub fn baked() -> BakedScene {
     let ball = ProbePart { shape: wire::ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
     BakedScene {
         object: wire::ObjectShape::HalfSpace,

@@ -25,10 +25,14 @@ impl Tuned {
     /// # Errors
     /// [`SceneError`] names the first value that does not pass.
     pub fn new(setup: &Setup, table: bool, tuning: &Tuning) -> Result<Self, SceneError> {
+        Self::check(&setup.baked().coupling, table, tuning)
+    }
+
+    pub(crate) fn check(coupling: &wire::Coupling, table: bool, tuning: &Tuning) -> Result<Self, SceneError> {
         if tuning.tier == wire::Tier::Green && !table {
             return Err(SceneError::NoTable);
         }
-        Ok(Self { tuning: *tuning, spec: params_spec(&setup.baked().coupling, tuning)? })
+        Ok(Self { tuning: *tuning, spec: params_spec(coupling, tuning)? })
     }
 
     /// What was checked.

@@ -76,20 +76,32 @@ pub fn encode_stream<T: Serialize>(message: &T, out: &mut [u8]) -> Result<usize,
 /// # Errors
 /// Any [`FrameError`] but `BufferFull`; bytes left over after the message are [`FrameError::Contents`].
 pub fn decode_stream<'a, T: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<T, FrameError> {
+    match decode_stream_head(frame)? {
+        (value, 0) => Ok(value),
+        _ => Err(FrameError::Contents),
+    }
+}
+
+/// Reads the beginning of one frame, as [`decode_stream`]; yields how many bytes are left over too.
+pub(crate) fn decode_stream_head<'a, T: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<(T, usize), FrameError> {
     let plain = cobs::decode_in_place(frame).ok_or(FrameError::Stuffing)?;
-    decode_checked(frame.get(..plain).ok_or(FrameError::Stuffing)?)
+    decode_checked_head(frame.get(..plain).ok_or(FrameError::Stuffing)?)
 }
 
 /// Reads postcard bytes followed by their checksum.
 pub(crate) fn decode_checked<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, FrameError> {
+    match decode_checked_head(bytes)? {
+        (value, 0) => Ok(value),
+        _ => Err(FrameError::Contents),
+    }
+}
+
+fn decode_checked_head<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<(T, usize), FrameError> {
     let (message, crc) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(FrameError::Short)?;
     let computed = CRC32.checksum(message);
     let received = u32::from_le_bytes(*crc);
     if computed != received {
         return Err(FrameError::Checksum { computed, received });
     }
-    match postcard::take_from_bytes(message) {
-        Ok((value, [])) => Ok(value),
-        _ => Err(FrameError::Contents),
-    }
+    postcard::take_from_bytes(message).map(|(value, left)| (value, left.len())).map_err(|_| FrameError::Contents)
 }

@@ -81,6 +81,7 @@ pub mod sections;
 pub mod status;
 pub mod tuning;
 pub mod units;
+pub mod usb;
 pub mod viewer;
 pub mod viewer_look;
 

@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::{ENUM, F32, U16, U32, U64};
 use crate::flags;
-use crate::frame::{FrameError, decode_stream, stream_bound};
+use crate::frame::{FrameError, decode_stream, decode_stream_head, stream_bound};
 use crate::scene::{Place, Tier};
 use crate::status::{FaultRecord, SessionHello, Summary};
 use crate::tuning::Tuning;
@@ -193,6 +193,18 @@ pub struct RecordHeader {
 impl RecordHeader {
     /// Postcard bytes at most, without the byte that names the record.
     pub const MAX_ENCODED: usize = U16 + U32 + U32 + U64 + 3 * U32;
+}
+
+/// Version and fingerprint of whoever wrote a recording, also when its tables are others and nothing but this can be read: the first two fields of a header never
+/// change. `None` when the file does not begin with a whole header.
+#[must_use]
+pub fn written_by(file: &[u8]) -> Option<(u16, u32)> {
+    let mut frame = [0; FRAME_MAX];
+    let first = file.split(|&byte| byte == 0).find(|frame| !frame.is_empty())?;
+    let copy = frame.get_mut(..first.len())?;
+    copy.iter_mut().zip(first).for_each(|(to, &byte)| *to = byte);
+    let ((record, version, schema), _) = decode_stream_head::<(u8, u16, u32)>(copy).ok()?;
+    (record == 0).then_some((version, schema))
 }
 
 /// One tick: what came in, what went out, what the contact was, how long it took.
@@ -413,6 +425,19 @@ mod tests {
                 let expected: Vec<_> = (0..records.len()).filter(|i| !lost.contains(i)).map(|i| records[i]).collect();
                 assert_eq!(read, expected, "byte {at} ^ {flip:02x}");
             }
+        }
+    }
+
+    #[test]
+    fn the_writer_of_another_version_is_known() {
+        let mut frame = [0; FRAME_MAX];
+        let other = (0_u8, 9_u16, 0xDEAD_BEEF_u32, [7_u8; 12]);
+        let length = encode_stream(&other, &mut frame).unwrap();
+        assert_eq!(written_by(&frame[..length]), Some((9, 0xDEAD_BEEF)));
+        assert_eq!(written_by(&session().0), Some((HEADER.version, HEADER.schema)));
+        frame[3] ^= 1;
+        for strange in [&frame[..length], &frame[..3], b"", b"\0\0", &[1; FRAME_MAX + 1]] {
+            assert_eq!(written_by(strange), None);
         }
     }
 

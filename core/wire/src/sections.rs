@@ -8,8 +8,9 @@
 //! |---|---|---|
 //! | 1 | the body's own Green's function | f32 each: chart's middle (3) and half extents (3), radius of the discs, nodes along an edge; own moves; table |
 //! | 2 | a mesh: distance grid and samples | f32 each: first node (3), spacing, nodes along x, y, z; least (3) and largest (3) coordinates, volume, reach; number of samples; a coefficient a node, x fastest; each sample's position (3), normal (3), area |
+//! | 3 | a mesh to look at, for viewers | number of vertices, u32; each vertex, three f32 \[m\]; each triangle, three u32 |
 //!
-//! A kind that a reader does not know is checked and passed over.
+//! Meshes of kinds 2 and 3 stand in the order in which shapes number them. A kind that a reader does not know is checked and passed over.
 
 use crate::frame::{CRC_BYTES, CRC32, FrameError};
 use crate::scene_file::SceneFileError;
@@ -20,8 +21,11 @@ pub const GREEN: u32 = 1;
 /// Kind of the distance grid and samples of a mesh; shapes name them by their order in the file.
 pub const GRID: u32 = 2;
 
-/// Sections of a file at most: one table, and a grid for each part of probe and object.
-pub const MAX_SECTIONS: usize = 32;
+/// Kind of a mesh to look at; hosts pass it over.
+pub const SKIN: u32 = 3;
+
+/// Sections of a file at most: one table, and for object and each part of the probe a grid and a mesh to look at.
+pub const MAX_SECTIONS: usize = 35;
 
 /// Bytes of a section's contents at most: the largest Green's table has 9.6 MB, a distance grid of 128 x 128 x 128 8.4 MB.
 pub const MAX_SECTION: usize = 16 << 20;

@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 use clap::{Parser, ValueEnum};
 use haptor_firmware_sim::Preset;
@@ -8,6 +8,7 @@ use haptor_firmware_sim::preset::PRESETS;
 use haptor_firmware_sim::script::NAMES;
 
 use super::drill::Drill;
+use super::usbip::Way;
 
 /// A simulated haptic device: firmware, handle and the hand that moves it, in real time
 #[derive(Debug, Parser)]
@@ -17,7 +18,7 @@ use super::drill::Drill;
     after_help = "Example: haptor-firmware-sim --serve pty --preset premium15 --script press-twist-slide --seconds 10"
 )]
 pub struct Args {
-    /// Where to serve: `pty`, or `tcp:ADDRESS` (port 0 = any free one)
+    /// Where to serve: `pty`, `tcp:ADDRESS` (port 0 = any free one), `usbip[:ADDRESS]` for `usbip attach`, `vhci` for this machine's own USB
     #[arg(long, default_value = "pty", value_parser = place)]
     pub serve: Place,
     /// Which device: premium15, sigma7, omega6, touch
@@ -47,7 +48,8 @@ pub struct Args {
     /// Seed of the random bytes in drills
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// A drill, T seconds after forces are first armed: garbage@T[:50ms], stall@T[:50ms], die@T, restart@T, kick@T. May be repeated
+    /// A drill, T seconds after forces are first armed. May be repeated. At once: die@T, restart@T, kick@T, version@T. For a while: garbage@T[:50ms],
+    /// stall, corrupt, duplicate, reorder, delay, drop, nan, freeze; on USB halt, unplug, reboot
     #[arg(long = "fault", value_name = "KIND@T[:LENGTH]")]
     pub faults: Vec<Drill>,
 }
@@ -59,7 +61,12 @@ pub enum Place {
     Pty,
     /// A TCP port.
     Tcp(SocketAddr),
+    /// A USB cable.
+    Usb(Way),
 }
+
+/// Where `usbip attach` looks when it is told nothing else; this machine only.
+const USBIP: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 3240);
 
 /// How finely the encoders resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -71,11 +78,15 @@ pub enum Resolution {
 }
 
 fn place(text: &str) -> Result<Place, String> {
-    if text == "pty" {
-        return Ok(Place::Pty);
+    let at = |address: &str| address.parse().map_err(|_| format!("`{address}` is no address and port, as in 127.0.0.1:0"));
+    match text.split_once(':').unwrap_or((text, "")) {
+        ("pty", "") => Ok(Place::Pty),
+        ("vhci", "") => Ok(Place::Usb(Way::Vhci)),
+        ("usbip", "") => Ok(Place::Usb(Way::Tcp(USBIP))),
+        ("usbip", address) => at(address).map(|address| Place::Usb(Way::Tcp(address))),
+        ("tcp", address) => at(address).map(Place::Tcp),
+        _ => Err("expected `pty`, `tcp:ADDRESS` as in tcp:127.0.0.1:0, `usbip`, `usbip:ADDRESS` or `vhci`".into()),
     }
-    let address = text.strip_prefix("tcp:").ok_or("expected `pty` or `tcp:ADDRESS`, as in tcp:127.0.0.1:0")?;
-    address.parse().map(Place::Tcp).map_err(|_| format!("`{address}` is no address and port, as in 127.0.0.1:0"))
 }
 
 fn preset(name: &str) -> Result<Preset, String> {
@@ -122,7 +133,11 @@ mod tests {
         assert_eq!(place("pty"), Ok(Place::Pty));
         assert_eq!(place("tcp:127.0.0.1:0"), Ok(Place::Tcp(([127, 0, 0, 1], 0).into())));
         assert!(place("tcp:nowhere").unwrap_err().contains("nowhere"));
-        assert!(place("usb").is_err());
+        assert_eq!(place("usbip"), Ok(Place::Usb(Way::Tcp(USBIP))));
+        assert_eq!(place("vhci"), Ok(Place::Usb(Way::Vhci)));
+        for text in ["usb", "usbip:x", "vhci:1", "pty:1", "tcp"] {
+            assert!(place(text).is_err(), "{text}");
+        }
         for bad in [
             ["--preset", "falcon"],
             ["--script", "dance"],

@@ -20,6 +20,55 @@ pub enum Kind {
     Restart,
     /// Somebody bumps into the hand: the handle flies off at twice its allowed speed.
     Kick,
+    /// One bit of every frame is turned.
+    Corrupt,
+    /// Every frame comes twice.
+    Duplicate,
+    /// Every other frame comes after the one that follows it.
+    Reorder,
+    /// Frames come some turns late.
+    Delay,
+    /// Frames vanish; what the host says arrives.
+    Drop,
+    /// The position is not a number.
+    Nan,
+    /// The same report over and over.
+    Freeze,
+    /// The firmware starts anew as another version.
+    Version,
+    /// USB: the endpoints halt, again whenever they are cleared.
+    Halt,
+    /// USB: the cable is out; the firmware runs on.
+    Unplug,
+    /// USB: the device resets: off the bus, and back with its firmware started anew.
+    Reboot,
+}
+
+impl Kind {
+    /// Every drill by its name; whether it lasts.
+    const ALL: [(&str, Self, bool); 16] = [
+        ("garbage", Self::Garbage, true),
+        ("stall", Self::Stall, true),
+        ("die", Self::Die, false),
+        ("restart", Self::Restart, false),
+        ("kick", Self::Kick, false),
+        ("corrupt", Self::Corrupt, true),
+        ("duplicate", Self::Duplicate, true),
+        ("reorder", Self::Reorder, true),
+        ("delay", Self::Delay, true),
+        ("drop", Self::Drop, true),
+        ("nan", Self::Nan, true),
+        ("freeze", Self::Freeze, true),
+        ("version", Self::Version, false),
+        ("halt", Self::Halt, true),
+        ("unplug", Self::Unplug, true),
+        ("reboot", Self::Reboot, true),
+    ];
+
+    /// Whether it needs a bus: a pseudo terminal and a TCP port have none.
+    pub const fn needs_usb(self) -> bool {
+        matches!(self, Self::Halt | Self::Unplug | Self::Reboot)
+    }
 }
 
 /// One planned fault.
@@ -45,15 +94,9 @@ impl FromStr for Drill {
             Some((at, length)) => (at, Some(length)),
             None => (when, None),
         };
-        let (kind, lasts) = match kind {
-            "garbage" => (Kind::Garbage, true),
-            "stall" => (Kind::Stall, true),
-            "die" => (Kind::Die, false),
-            "restart" => (Kind::Restart, false),
-            "kick" => (Kind::Kick, false),
-            _ => {
-                return Err(format!("no drill `{kind}`; there are garbage, stall, die, restart, kick"));
-            }
+        let Some(&(_, kind, lasts)) = Kind::ALL.iter().find(|(name, ..)| *name == kind) else {
+            let names = Kind::ALL.map(|(name, ..)| name).join(", ");
+            return Err(format!("no drill `{kind}`; there are {names}"));
         };
         let for_us = match length {
             None if lasts => USUAL_LENGTH_US,
@@ -90,6 +133,28 @@ pub struct Orders {
     pub restart: bool,
     /// Kick the handle.
     pub kick: bool,
+    /// Damage frames.
+    pub corrupt: bool,
+    /// Send frames twice.
+    pub duplicate: bool,
+    /// Let frames overtake each other.
+    pub reorder: bool,
+    /// Send frames late.
+    pub delay: bool,
+    /// Send no frames.
+    pub drop: bool,
+    /// Report no position.
+    pub nan: bool,
+    /// Report the same.
+    pub freeze: bool,
+    /// Tell another version from now on.
+    pub version: bool,
+    /// Halt the endpoints.
+    pub halt: bool,
+    /// Be off the bus.
+    pub unplug: bool,
+    /// Be off the bus, and begin anew.
+    pub reboot: bool,
 }
 
 /// Orders for the tick of `tick_us` that begins `now_us` after forces were first armed.
@@ -107,6 +172,17 @@ pub fn orders(drills: &[Drill], now_us: u64, tick_us: u64) -> Orders {
             Kind::Die => orders.die = true,
             Kind::Restart => orders.restart = true,
             Kind::Kick => orders.kick = true,
+            Kind::Corrupt => orders.corrupt = true,
+            Kind::Duplicate => orders.duplicate = true,
+            Kind::Reorder => orders.reorder = true,
+            Kind::Delay => orders.delay = true,
+            Kind::Drop => orders.drop = true,
+            Kind::Nan => orders.nan = true,
+            Kind::Freeze => orders.freeze = true,
+            Kind::Version => (orders.version, orders.restart) = (true, true),
+            Kind::Halt => orders.halt = true,
+            Kind::Unplug => orders.unplug = true,
+            Kind::Reboot => (orders.unplug, orders.reboot) = (true, true),
         }
     }
     orders
@@ -130,7 +206,8 @@ impl Noise {
         }
     }
 
-    fn next(&mut self) -> u64 {
+    /// The next number.
+    pub const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -150,6 +227,8 @@ mod tests {
             ("stall@1:2s", Kind::Stall, 1_000_000, 2_000_000),
             ("die@3", Kind::Die, 3_000_000, 0),
             ("restart@0", Kind::Restart, 0, 0),
+            ("unplug@1:300ms", Kind::Unplug, 1_000_000, 300_000),
+            ("version@2", Kind::Version, 2_000_000, 0),
         ];
         for (text, kind, at_us, for_us) in table {
             let drill = Drill { kind, at_us, for_us };

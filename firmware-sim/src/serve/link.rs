@@ -1,4 +1,4 @@
-//! The two ways to be reached: a pseudo terminal and a TCP port. Neither ever waits.
+//! The ways to be reached: a pseudo terminal, a TCP port, a USB cable. None ever waits.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
@@ -6,11 +6,13 @@ use std::net::{TcpListener, TcpStream};
 use std::os::fd::OwnedFd;
 
 use anyhow::{Context, Result};
+use haptor_wire::{FromDevice, encode_packet, encode_stream, stream_bound};
 use rustix::fs::{Mode, OFlags, fcntl_setfl};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use super::args::Place;
+use super::usbip::Usb;
 
 /// Bytes kept for a peer that does not read; beyond it frames are dropped whole.
 const BACKLOG: usize = 4096;
@@ -27,29 +29,62 @@ pub struct Link {
 enum Port {
     Pty(Pty),
     Tcp(Tcp),
+    Usb(Usb),
 }
 
 impl Link {
-    /// Opens the place to serve at.
-    pub fn open(place: Place) -> Result<Self> {
+    /// Opens the place to serve at; on USB the serial number is asked for before any message.
+    pub fn open(place: Place, serial: &str) -> Result<Self> {
         let port = match place {
             Place::Pty => Port::Pty(Pty::open()?),
             Place::Tcp(address) => Port::Tcp(Tcp::open(address).with_context(|| format!("cannot listen at {address}"))?),
+            Place::Usb(way) => Port::Usb(Usb::open(way, serial)?),
         };
         Ok(Self { port, backlog: Vec::with_capacity(BACKLOG), dropped: 0 })
     }
 
-    /// Where a host finds it, as `pty PATH` or `tcp ADDRESS`.
+    /// Where a host finds it, as `pty PATH`, `tcp ADDRESS`, `usbip ADDRESS` or `vhci port N`.
     pub fn place(&self) -> Result<String> {
         Ok(match &self.port {
             Port::Pty(pty) => format!("pty {}", pty.path),
             Port::Tcp(tcp) => format!("tcp {}", tcp.listener.local_addr()?),
+            Port::Usb(usb) => usb.place().to_owned(),
         })
     }
 
-    /// Writes dropped because the peer did not read.
+    /// Frames dropped because the peer did not read.
     pub fn dropped(&self) -> u64 {
-        self.dropped
+        match &self.port {
+            Port::Usb(usb) => usb.lost().0,
+            Port::Pty(_) | Port::Tcp(_) => self.dropped,
+        }
+    }
+
+    /// Packets that were no messages; in a stream the device counts them itself.
+    pub fn bad_packets(&self) -> u64 {
+        match &self.port {
+            Port::Usb(usb) => usb.lost().1,
+            Port::Pty(_) | Port::Tcp(_) => 0,
+        }
+    }
+
+    /// The USB cable, where there is one.
+    pub fn usb(&mut self) -> Option<&mut Usb> {
+        match &mut self.port {
+            Port::Usb(usb) => Some(usb),
+            Port::Pty(_) | Port::Tcp(_) => None,
+        }
+    }
+
+    /// A message as this link carries it.
+    pub fn frame(&self, message: &FromDevice) -> Vec<u8> {
+        if let Port::Usb(_) = self.port {
+            return encode_packet(message).map(Vec::from).unwrap_or_default();
+        }
+        let mut frame = [0; stream_bound(FromDevice::MAX_ENCODED)];
+        // the buffer has the longest message's bound
+        let length = encode_stream(message, &mut frame).unwrap_or_default();
+        frame[..length].to_vec()
     }
 
     /// Whether the link has changed hands since last asked; what was meant for the host before is forgotten.
@@ -57,6 +92,7 @@ impl Link {
         let changed = match &mut self.port {
             Port::Pty(pty) => std::mem::take(&mut pty.left),
             Port::Tcp(tcp) => tcp.newly_opened()?,
+            Port::Usb(usb) => usb.newly_attached(),
         };
         if changed {
             self.backlog.clear();
@@ -69,20 +105,30 @@ impl Link {
         match &mut self.port {
             Port::Pty(pty) => pty.read(buffer),
             Port::Tcp(tcp) => Ok(tcp.read(buffer)),
+            Port::Usb(usb) => Ok(usb.read(buffer)),
         }
     }
 
-    /// Sends whole frames, or drops them all when the peer is behind.
-    pub fn write(&mut self, frames: &[u8]) {
-        if self.backlog.len() + frames.len() > BACKLOG {
+    /// Sends a whole frame, or drops it when the peer is behind.
+    pub fn write(&mut self, frame: &[u8]) {
+        if let Port::Usb(usb) = &mut self.port {
+            return usb.write(frame);
+        }
+        if self.backlog.len() + frame.len() > BACKLOG {
             self.dropped += 1;
         } else {
-            self.backlog.extend_from_slice(frames);
+            self.backlog.extend_from_slice(frame);
         }
+        self.flush();
+    }
+
+    /// Sends what waits, as far as the peer takes it.
+    pub fn flush(&mut self) {
         while !self.backlog.is_empty() {
             let sent = match &mut self.port {
                 Port::Pty(pty) => pty.master.write(&self.backlog),
                 Port::Tcp(tcp) => tcp.write(&self.backlog),
+                Port::Usb(_) => return,
             };
             match sent {
                 Ok(n) if n > 0 => drop(self.backlog.drain(..n)),

@@ -4,22 +4,25 @@ pub mod args;
 mod clock;
 mod drill;
 mod link;
+mod mischief;
+mod usbip;
 
 use std::io::{Read, Write, stderr, stdin, stdout};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::script::Reach;
 use haptor_firmware_sim::{Device, Preset, Script, TxBuf};
-use haptor_wire::Mode;
+use haptor_wire::{FromDevice, Mode, PACKET_BYTES, StreamDecoder, stream_bound};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use args::{Args, Resolution};
 use clock::Clock;
-use drill::{Noise, Orders, orders};
+use drill::{Orders, orders};
 use link::Link;
+use mischief::Mischief;
 
 /// Length of a turn of the loop [us].
 const TURN_US: u32 = 1_000;
@@ -27,8 +30,8 @@ const TURN_US: u32 = 1_000;
 /// The nice value of programs that go before all others of the ordinary kind.
 const HIGHEST_PRIORITY: i32 = -20;
 
-/// Random bytes of a turn in the garbage drill: what a full frame would take.
-const GARBAGE_BYTES: usize = 64;
+/// Random bytes of a turn in the garbage drill: what a full frame, or a packet, would take.
+const GARBAGE_BYTES: usize = PACKET_BYTES;
 
 /// Bytes read in a turn at most: a thousand times what a host should send.
 const READ_BYTES: usize = 64 * 1024;
@@ -92,13 +95,20 @@ struct Server<'a> {
     device: Device,
     tx: TxBuf,
     rx: Vec<u8>,
-    noise: Noise,
+    said: StreamDecoder<{ stream_bound(FromDevice::MAX_ENCODED) }>,
+    mischief: Mischief,
+    /// The cable is out.
+    unplugged: bool,
     /// Time since forces were first armed [us].
     armed_us: Option<u64>,
 }
 
 impl<'a> Server<'a> {
     fn new(args: &'a Args) -> Result<Self> {
+        let mut link = Link::open(args.serve, &args.serial)?;
+        if link.usb().is_none() && args.faults.iter().any(|drill| drill.kind.needs_usb()) {
+            bail!("the drills halt, unplug and reboot are of USB: --serve usbip or vhci");
+        }
         let preset = Preset {
             // 8 ticks of 125 us a millisecond
             watchdog_ticks: args.watchdog_ms * 8,
@@ -113,11 +123,13 @@ impl<'a> Server<'a> {
         Ok(Self {
             args,
             preset,
-            link: Link::open(args.serve)?,
+            link,
             device: Device::new(&preset, &args.serial, FIRM_GRIP, encoders, script),
             tx: TxBuf::new(),
             rx: vec![0; READ_BYTES],
-            noise: Noise::new(args.seed),
+            said: StreamDecoder::new(),
+            mischief: Mischief::new(args.seed),
+            unplugged: false,
             armed_us: None,
         })
     }
@@ -135,11 +147,31 @@ impl<'a> Server<'a> {
         if orders.kick {
             self.device.kick([2.0 * self.preset.over_speed, 0.0, 0.0]);
         }
+        self.cable(orders)?;
         let come = self.receive(orders)?;
         self.tx.clear();
         self.device.step(TURN_US, &self.rx[..come], &mut self.tx);
         self.send(orders);
         Ok(true)
+    }
+
+    /// What a drill does to the USB cable.
+    fn cable(&mut self, orders: Orders) -> Result<()> {
+        let Some(usb) = self.link.usb() else { return Ok(()) };
+        if orders.halt {
+            usb.halt();
+        }
+        if orders.unplug && !self.unplugged {
+            usb.unplug();
+        }
+        if !orders.unplug && self.unplugged {
+            usb.plug_in()?;
+        }
+        self.unplugged = orders.unplug;
+        if orders.reboot {
+            self.device.restart(&self.preset, &self.args.serial);
+        }
+        Ok(())
     }
 
     fn orders(&mut self) -> Orders {
@@ -173,21 +205,27 @@ impl<'a> Server<'a> {
         }
         if orders.garbage {
             let mut bytes = [0; GARBAGE_BYTES];
-            self.noise.fill(&mut bytes);
-            self.link.write(&bytes);
-        } else {
-            self.link.write(self.tx.as_slice());
+            self.mischief.garbage(&mut bytes);
+            return self.link.write(&bytes);
         }
+        let mut frames = self.mischief.arrive(&orders);
+        let (link, mischief) = (&self.link, &mut self.mischief);
+        self.said.feed(self.tx.as_slice(), |message| {
+            let message = mischief.alter(message, &orders);
+            frames.extend(mischief.disorder(link.frame(&message), &orders));
+        });
+        frames.iter().for_each(|frame| self.link.write(frame));
+        self.link.flush();
     }
 
     fn say_how_it_went(&self, clock: &Clock) {
         let counts = self.device.counts();
         say(format_args!(
-            "{} turns, {} times stood still; {} messages, {} frames rejected; {} writes dropped",
+            "{} turns, {} times stood still; {} messages, {} frames rejected; {} frames dropped",
             clock.turns(),
             clock.stood_still(),
             counts.accepted,
-            counts.rejected(),
+            u64::from(counts.rejected()) + self.link.bad_packets(),
             self.link.dropped()
         ));
     }

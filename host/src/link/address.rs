@@ -2,10 +2,10 @@
 
 use std::fmt;
 use std::net::{SocketAddr, ToSocketAddrs};
-use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::AnyLink;
+use super::port::Port;
 use super::serial::SerialLink;
 use super::tcp::TcpLink;
 use crate::error::HostError;
@@ -13,12 +13,27 @@ use crate::error::HostError;
 /// Where a device is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Address {
-    /// `serial:PATH`, a serial port or a pseudo-terminal.
-    Serial(PathBuf),
+    /// `serial:PATH`, a serial port or a pseudo-terminal; `serial:NUMBER`, the port of the USB device with that serial number.
+    Serial(Port),
     /// `tcp:HOST:PORT`.
     Tcp(SocketAddr),
-    /// `usb` or `usb:SERIAL`; without a serial number the first device found.
-    Usb(Option<String>),
+    /// `usb` or `usb:SERIAL`, by the interrupt endpoints; `usb-bulk` or `usb-bulk:SERIAL` by the bulk ones.
+    Usb(UsbAddress),
+}
+
+/// A device on USB.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsbAddress {
+    /// Its serial number; without one, the only device there is.
+    pub serial: Option<String>,
+    /// By its bulk endpoints.
+    pub bulk: bool,
+}
+
+impl UsbAddress {
+    fn named(kind: &str, serial: &str) -> Self {
+        Self { serial: (!serial.is_empty()).then(|| serial.to_owned()), bulk: kind == "usb-bulk" }
+    }
 }
 
 impl Address {
@@ -27,7 +42,7 @@ impl Address {
     /// keeps the link.
     #[must_use]
     pub fn comes_back(&self) -> bool {
-        !matches!(self, Self::Serial(path) if path.starts_with("/dev/pts"))
+        !matches!(self, Self::Serial(Port::Path(path)) if path.starts_with("/dev/pts"))
     }
 }
 
@@ -38,11 +53,12 @@ impl FromStr for Address {
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
         match (kind, rest) {
             ("serial", "") | ("tcp", "") => Err(format!("`{text}` lacks what follows `{kind}:`")),
-            ("serial", path) => Ok(Self::Serial(path.into())),
+            ("serial", port) => Ok(Self::Serial(port.into())),
             ("tcp", address) => resolve(address).map(Self::Tcp),
-            ("usb", "") => Ok(Self::Usb(None)),
-            ("usb", serial) => Ok(Self::Usb(Some(serial.to_owned()))),
-            _ => Err(format!("`{text}` is no device; allowed: serial:PATH, tcp:HOST:PORT, usb, usb:SERIAL")),
+            ("usb" | "usb-bulk", serial) => Ok(Self::Usb(UsbAddress::named(kind, serial))),
+            _ => Err(format!(
+                "`{text}` is no device; allowed: serial:PATH, serial:NUMBER, tcp:HOST:PORT, usb, usb:SERIAL, usb-bulk, usb-bulk:SERIAL"
+            )),
         }
     }
 }
@@ -55,10 +71,12 @@ fn resolve(address: &str) -> Result<SocketAddr, String> {
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Serial(path) => write!(f, "serial:{}", path.display()),
+            Self::Serial(port) => write!(f, "serial:{port}"),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
-            Self::Usb(None) => f.write_str("usb"),
-            Self::Usb(Some(serial)) => write!(f, "usb:{serial}"),
+            Self::Usb(UsbAddress { serial, bulk }) => {
+                f.write_str(if *bulk { "usb-bulk" } else { "usb" })?;
+                serial.iter().try_for_each(|serial| write!(f, ":{serial}"))
+            }
         }
     }
 }
@@ -70,10 +88,10 @@ impl fmt::Display for Address {
 pub fn open(address: &Address) -> Result<AnyLink, HostError> {
     let failed = |reason: std::io::Error| HostError::Open { device: address.to_string(), reason };
     match address {
-        Address::Serial(path) => Ok(Box::new(SerialLink::open(path).map_err(failed)?)),
+        Address::Serial(port) => Ok(Box::new(port.path().and_then(|path| SerialLink::open(&path)).map_err(failed)?)),
         Address::Tcp(to) => Ok(Box::new(TcpLink::connect(*to).map_err(failed)?)),
         #[cfg(feature = "usb")]
-        Address::Usb(serial) => Ok(Box::new(super::usb::UsbLink::open(serial.as_deref()).map_err(failed)?)),
+        Address::Usb(usb) => Ok(Box::new(super::usb::UsbLink::open(usb.serial.as_deref(), usb.bulk).map_err(failed)?)),
         #[cfg(not(feature = "usb"))]
         Address::Usb(_) => Err(failed(std::io::Error::new(
             std::io::ErrorKind::Unsupported,
@@ -88,16 +106,20 @@ mod tests {
 
     #[test]
     fn addresses_read_as_they_print() {
-        for text in ["serial:/dev/ttyACM0", "tcp:127.0.0.1:4000", "usb", "usb:A17"] {
+        for text in ["serial:/dev/ttyACM0", "serial:A17", "tcp:127.0.0.1:4000", "usb", "usb:A17", "usb-bulk", "usb-bulk:A17"] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
     }
 
     #[test]
     fn a_bare_pseudo_terminal_does_not_come_back() {
-        for (text, expected) in
-            [("serial:/dev/pts/3", false), ("serial:/dev/ttyACM0", true), ("serial:/run/device", true), ("usb", true)]
-        {
+        for (text, expected) in [
+            ("serial:/dev/pts/3", false),
+            ("serial:/dev/ttyACM0", true),
+            ("serial:/run/device", true),
+            ("serial:A17", true),
+            ("usb", true),
+        ] {
             assert_eq!(text.parse::<Address>().unwrap().comes_back(), expected, "{text}");
         }
     }

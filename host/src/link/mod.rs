@@ -5,9 +5,11 @@
 //! block for long, is [`open`]'s and never the real-time thread's.
 
 mod address;
+mod low_latency;
 pub mod mem;
 mod messages;
 mod poll;
+mod port;
 pub mod serial;
 pub mod tcp;
 #[cfg(feature = "usb")]
@@ -19,6 +21,7 @@ use std::time::Duration;
 
 pub use address::{Address, open};
 pub use messages::{Messages, Received};
+pub use port::Port;
 
 /// How a carrier marks where a message begins and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,7 @@
 //! allocates nothing.
 
 use std::fs;
+use std::io;
 use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::Duration;
@@ -12,7 +13,8 @@ use std::time::Duration;
 use rustix::fs::{Mode, OFlags};
 use serialport::TTYPort;
 
-use super::{Link, LinkError, poll};
+use super::port::explain;
+use super::{Link, LinkError, low_latency, poll};
 
 /// Bits a second. 1,000 reports and commands of some 60 bytes a second need 0.6 Mbit/s each way; this is what common USB-serial
 /// chips reach. A pseudo-terminal and a USB CDC device ignore it.
@@ -20,6 +22,9 @@ pub const BAUD: u32 = 3_000_000;
 
 /// Milliseconds after which a USB-serial chip passes on a packet that is not full; chips start at 16, which is 16 ticks.
 const LATENCY_TIMER_MS: &str = "1";
+
+/// Where the kernel keeps what is known of terminals.
+const SYSFS: &str = "/sys/class/tty";
 
 /// An open serial port in raw mode.
 #[derive(Debug)]
@@ -31,25 +36,42 @@ pub struct SerialLink {
 }
 
 impl SerialLink {
-    /// Opens, locks and configures a port: raw, 8 data bits, no parity, one stop bit, no flow control.
+    /// Opens, locks and configures a port: raw, 8 data bits, no parity, one stop bit, no flow control, nothing held back where the
+    /// driver lets that be asked for.
     ///
     /// # Errors
-    /// The system's, e.g. no such port, no right to it, in use by another program.
-    pub fn open(path: &Path) -> std::io::Result<Self> {
+    /// In words, with what to do: no such port, no right to it, in use by another program, no serial port at all.
+    pub fn open(path: &Path) -> io::Result<Self> {
         // before the lock: once it is exclusive nobody but root can open it again
-        let bytes = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC, Mode::empty())?;
-        let port = serialport::new(path.to_string_lossy(), BAUD).exclusive(true).open_native()?;
-        shorten_latency_timer(path);
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let bytes = rustix::fs::open(path, flags, Mode::empty()).map_err(|errno| explain(path, &errno.into()))?;
+        if !rustix::termios::isatty(&bytes) {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no serial port"));
+        }
+        let port = serialport::new(path.to_string_lossy(), BAUD).exclusive(true).open_native();
+        let port = port.map_err(|error| explain(path, &taken(error)))?;
+        if !low_latency::set(&bytes) {
+            shorten_latency_timer(Path::new(SYSFS), path);
+        }
         rustix::termios::tcflush(&bytes, rustix::termios::QueueSelector::IOFlush)?;
         Ok(Self { bytes, _port: port, name: format!("serial:{}", path.display()) })
     }
 }
 
-/// Asks an FTDI-like chip to pass on short packets at once. Best effort: other ports have no such file, and a user without the
-/// right to write it gets a slower but working link, which the round-trip figures show.
-fn shorten_latency_timer(path: &Path) {
-    let Some(port) = path.file_name() else { return };
-    let file = Path::new("/sys/class/tty").join(port).join("device/latency_timer");
+/// The port is there, it has just been opened: one that the library does not get is another's.
+fn taken(error: serialport::Error) -> io::Error {
+    match error.kind {
+        serialport::ErrorKind::NoDevice => io::Error::new(io::ErrorKind::ResourceBusy, error),
+        _ => error.into(),
+    }
+}
+
+/// Asks an FTDI-like chip whose driver has no flag for it to pass on short packets at once. Best effort: other ports have no such file, and a user
+/// without the right to write it gets a slower but working link, which the round-trip figures show and `haptor doctor` explains.
+fn shorten_latency_timer(sysfs: &Path, path: &Path) {
+    // a port may be named by a link, as those in /dev/serial/by-id are
+    let Some(port) = fs::canonicalize(path).ok().and_then(|path| path.file_name().map(ToOwned::to_owned)) else { return };
+    let file = sysfs.join(port).join("device/latency_timer");
     if file.exists() {
         let _ = fs::write(file, LATENCY_TIMER_MS);
     }
@@ -128,6 +150,28 @@ mod tests {
     fn an_open_port_is_locked() {
         let (master, _link) = pty();
         let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
-        assert!(SerialLink::open(Path::new(&name)).is_err());
+        let text = SerialLink::open(Path::new(&name)).unwrap_err().to_string();
+        assert!(text.contains("in use by another program") && text.contains(&name), "{text}");
+    }
+
+    #[test]
+    fn what_is_no_port_is_told_apart() {
+        for (path, named) in [("/dev/no-such-port", "haptor devices"), ("/dev/null", "no serial port")] {
+            let text = SerialLink::open(Path::new(path)).unwrap_err().to_string();
+            assert!(text.contains(named), "{path}: {text}");
+        }
+    }
+
+    #[test]
+    fn the_latency_timer_of_a_port_named_by_a_link_is_found() {
+        let folder = std::env::temp_dir().join(format!("haptor-latency-{}", std::process::id()));
+        let (timer, link) = (folder.join("sys/ttyUSB7/device/latency_timer"), folder.join("by-id"));
+        fs::create_dir_all(timer.parent().unwrap()).unwrap();
+        fs::write(&timer, "16").unwrap();
+        fs::write(folder.join("ttyUSB7"), "").unwrap();
+        std::os::unix::fs::symlink(folder.join("ttyUSB7"), &link).unwrap();
+        shorten_latency_timer(&folder.join("sys"), &link);
+        assert_eq!(fs::read_to_string(&timer).unwrap(), LATENCY_TIMER_MS);
+        fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -5,6 +5,9 @@ use super::histogram::Durations;
 /// Commands on their way that are remembered: a quarter of a second at the default rate, after which a device counts as silent.
 const IN_FLIGHT: usize = 256;
 
+/// Send time of a command that the link did not take.
+const NEVER: u64 = u64::MAX;
+
 /// Send times of the commands not yet echoed.
 #[derive(Debug)]
 pub struct RoundTrips {
@@ -29,8 +32,10 @@ impl RoundTrips {
         Self { sent_ns: [0; IN_FLIGHT], newest: 0, echoed: 0, last_ns: 0, durations: Durations::new() }
     }
 
-    /// Command `seq` was sent; numbers rise by one.
+    /// Command `seq` was sent; numbers rise, and those left out were never sent.
     pub fn sent(&mut self, seq: u32, now_ns: u64) {
+        let left_out = seq.wrapping_sub(self.newest).saturating_sub(1).min(IN_FLIGHT as u32);
+        (1..=left_out).for_each(|back| self.sent_ns[seq.wrapping_sub(back) as usize % IN_FLIGHT] = NEVER);
         self.sent_ns[seq as usize % IN_FLIGHT] = now_ns;
         self.newest = seq;
     }
@@ -46,7 +51,11 @@ impl RoundTrips {
         let forgotten = waiting.saturating_sub(IN_FLIGHT as u32);
         for n in forgotten.min(answered)..answered {
             let seq = self.echoed.wrapping_add(n + 1);
-            let took = now_ns.saturating_sub(self.sent_ns[seq as usize % IN_FLIGHT]);
+            let sent_ns = self.sent_ns[seq as usize % IN_FLIGHT];
+            if sent_ns == NEVER {
+                continue;
+            }
+            let took = now_ns.saturating_sub(sent_ns);
             self.durations.record_ns(took);
             self.last_ns = u32::try_from(took).unwrap_or(u32::MAX);
         }
@@ -85,6 +94,16 @@ mod tests {
         assert_eq!(trips.durations().count(), 2, "seen before, never sent");
         trips.echoed(3, 1300);
         assert_eq!((trips.durations().count(), trips.take_last_ns()), (3, 1000));
+    }
+
+    #[test]
+    fn commands_that_were_never_sent_are_not_measured() {
+        let mut trips = RoundTrips::new();
+        (1..=300).for_each(|seq| trips.sent(seq, u64::from(seq)));
+        trips.echoed(300, 300);
+        trips.sent(304, 304);
+        trips.echoed(304, 310);
+        assert_eq!((trips.durations().count(), trips.take_last_ns()), (IN_FLIGHT as u64 + 1, 6));
     }
 
     #[test]

@@ -7,7 +7,9 @@
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
+mod client;
 mod command;
+mod config;
 mod doctor;
 mod failure;
 mod motion;
@@ -18,10 +20,12 @@ mod progress;
 mod scene;
 mod session;
 mod simulation;
+mod skins;
 mod surface;
 mod table;
 mod text;
 mod trajectory;
+mod usb;
 
 use std::process::ExitCode;
 

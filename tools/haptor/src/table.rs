@@ -30,6 +30,7 @@ impl Table {
 #[cfg(feature = "fem")]
 pub fn of(scene: &Scene, tier: Tier, name: &str) -> Result<Option<Table>, Failure> {
     use haptor_mesh::green::{GreenInputs, GreenOptions, cache};
+    use haptor_mesh::kept::Keep;
 
     if tier != Tier::Green {
         return Ok(None);
@@ -45,13 +46,13 @@ pub fn of(scene: &Scene, tier: Tier, name: &str) -> Result<Option<Table>, Failur
         bar.set_length(of as u64);
         bar.set_position(done as u64);
     };
-    let fetched = cache::fetch(&inputs, cache::folder().as_deref(), &mut progress);
+    let fetched = cache::fetch(&inputs, Table::KIND.folder().as_deref(), &mut progress);
     bar.finish_and_clear();
     let fetched = fetched.map_err(|error| Failure::bad_input(format!("{name}: tier green: {error}")))?;
     if let Some(trouble) = fetched.trouble {
         eprintln!("haptor: the body's table was computed, but the cache is of no use: {trouble}");
     }
-    Ok(Some(fetched.table))
+    Ok(Some(fetched.result))
 }
 
 /// A build without finite elements refuses the tier by name.

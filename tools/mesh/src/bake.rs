@@ -99,6 +99,19 @@ impl Baked {
         let Self { low, high, volume, reach, .. } = *self;
         MeshShape::new(&MeshSpec { grid, samples: &self.samples, low, high, volume, reach })
     }
+
+    /// Volume where the baked distance is negative \[m^3\], each node standing for a cell that the surface cuts at its distance; `None` where the core
+    /// refuses the grid.
+    pub fn field_volume(&self) -> Option<f64> {
+        let grid = DistanceGrid::new(self.origin, self.spacing, self.counts, &self.coefficients).ok()?;
+        let [nx, ny, nz] = self.counts;
+        let nodes = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        let inside = nodes.map(|node| {
+            let place = self.origin + Vec3::from_array(node.map(|index| index as f32)) * self.spacing;
+            f64::from((0.5 - grid.slope(place).0 / self.spacing).clamp(0.0, 1.0))
+        });
+        Some(inside.sum::<f64>() * f64::from(self.spacing).powi(3))
+    }
 }
 
 /// The mesh moved so that its mass centre is the origin, and where that was \[m\]: the frame of a probe. `None` without volume.

@@ -1,9 +1,9 @@
 //! Is the mesh the skin of a solid? Counts of what is wrong, so that a message can say how much.
 
-use std::collections::BTreeMap;
+use glam::DVec3;
 
 use crate::mesh::{Mesh, twice_area};
-use crate::properties::signed_volume;
+use crate::pieces::{self, edges, sides};
 
 /// Smallest area of a triangle as a share of its longest edge's square: below it the normal is rounding noise in f32.
 const SLIVER: f64 = 1.0e-6;
@@ -19,8 +19,8 @@ pub struct Findings {
     pub flipped_edges: usize,
     /// Triangles without a usable normal.
     pub slivers: usize,
-    /// The triangles agree with each other and enclose a negative volume.
-    pub inside_out: bool,
+    /// Pieces whose triangles agree with each other, but not about where the outside is.
+    pub inside_out: usize,
     /// Pieces that share no vertex.
     pub pieces: usize,
 }
@@ -43,79 +43,55 @@ impl Findings {
             (self.non_manifold_edges, "edges of more than two triangles: split the solid there"),
             (self.flipped_edges, "edges whose triangles disagree about the outside: recompute the normals"),
             (self.slivers, "triangles without a usable normal: merge their corners"),
+            (self.inside_out, "pieces are inside out: flip their normals"),
         ];
-        let lines = counted.iter().filter(|(count, _)| *count > 0).map(|(count, text)| format!("{count} {text}"));
-        let inside_out = self.inside_out.then(|| "the mesh is inside out: flip the normals".to_owned());
-        lines.chain(inside_out).collect()
+        counted.iter().filter(|(count, _)| *count > 0).map(|(count, text)| format!("{count} {text}")).collect()
     }
 }
 
 /// Checks a mesh whose vertices have been joined ([`crate::weld()`]).
 pub fn check(mesh: &Mesh) -> Findings {
-    let mut findings = Findings { pieces: pieces(mesh), ..Findings::default() };
-    for &(forward, backward) in edges(mesh).values() {
-        match (forward, backward) {
-            (1, 1) => {}
+    let (labels, pieces) = pieces::label(mesh);
+    let mut findings = Findings { pieces, ..Findings::default() };
+    let mut sound = vec![true; pieces];
+    for edge in edges(&sides(&mesh.triangles)) {
+        let forward = edge.iter().filter(|side| side.forward).count();
+        match (forward, edge.len() - forward) {
+            (1, 1) => continue,
             (1, 0) | (0, 1) => findings.boundary_edges += 1,
             (2, 0) | (0, 2) => findings.flipped_edges += 1,
             _ => findings.non_manifold_edges += 1,
         }
+        sound[labels[edge[0].triangle as usize] as usize] = false;
     }
     findings.slivers = mesh.triangles.iter().filter(|&&triangle| is_sliver(mesh, triangle)).count();
-    findings.inside_out = findings.is_watertight() && findings.flipped_edges == 0 && signed_volume(mesh) < 0.0;
+    findings.inside_out = pieces::wrong_way(mesh, &labels, &sound).iter().filter(|&&wrong| wrong).count();
     findings
 }
 
-/// How often each edge is run from its lower to its higher vertex, and back.
-fn edges(mesh: &Mesh) -> BTreeMap<(u32, u32), (usize, usize)> {
-    let mut edges = BTreeMap::new();
-    for &[a, b, c] in &mesh.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let (forward, backward) = edges.entry((from.min(to), from.max(to))).or_insert((0, 0));
-            *(if from < to { forward } else { backward }) += 1;
-        }
-    }
-    edges
+pub(crate) fn is_sliver(mesh: &Mesh, triangle: [u32; 3]) -> bool {
+    flat(mesh.corners(triangle))
 }
 
-fn is_sliver(mesh: &Mesh, triangle: [u32; 3]) -> bool {
-    let [a, b, c] = mesh.corners(triangle);
+/// Has a triangle no usable normal?
+pub(crate) fn flat([a, b, c]: [DVec3; 3]) -> bool {
     let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     // written so that a triangle of no length counts as one
     twice_area([a, b, c]).length() <= SLIVER * longest
 }
 
-/// Pieces by joining the vertices of each triangle.
-fn pieces(mesh: &Mesh) -> usize {
-    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    for &[a, b, c] in &mesh.triangles {
-        join(&mut parent, a, b);
-        join(&mut parent, b, c);
+/// Two meshes in one.
+#[cfg(test)]
+pub(crate) fn joined(one: &Mesh, other: &Mesh) -> Mesh {
+    let shifted = other.triangles.iter().map(|t| t.map(|index| index + one.vertices.len() as u32));
+    Mesh {
+        vertices: [one.vertices.clone(), other.vertices.clone()].concat(),
+        triangles: one.triangles.iter().copied().chain(shifted).collect(),
     }
-    let mut roots: Vec<u32> = mesh.triangles.iter().map(|triangle| root(&mut parent, triangle[0])).collect();
-    roots.sort_unstable();
-    roots.dedup();
-    roots.len()
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
-}
-
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        // halving the path keeps the walk short
-        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
-        vertex = parent[vertex as usize];
-    }
-    vertex
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::tessellate;
 
@@ -136,7 +112,7 @@ mod tests {
             ("cube", cube(), Findings { pieces: 1, ..Findings::default() }),
             ("hole", hole, Findings { boundary_edges: 3, pieces: 1, ..Findings::default() }),
             ("flipped", flipped, Findings { flipped_edges: 3, pieces: 1, ..Findings::default() }),
-            ("inside out", inside_out, Findings { inside_out: true, pieces: 1, ..Findings::default() }),
+            ("inside out", inside_out, Findings { inside_out: 1, pieces: 1, ..Findings::default() }),
             ("doubled face", doubled, Findings { non_manifold_edges: 5, pieces: 1, ..Findings::default() }),
         ];
         for (name, mesh, expected) in table {
@@ -150,12 +126,21 @@ mod tests {
         let sliver = Mesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1e-9, 0.0)], triangles: vec![[0, 1, 2]] };
         assert_eq!(check(&sliver).slivers, 1);
         let other = cube().mapped(|v| v + 3.0 * DVec3::X);
-        let shifted = other.triangles.iter().map(|t| t.map(|index| index + cube().vertices.len() as u32));
-        let both = Mesh {
-            vertices: [cube().vertices, other.vertices.clone()].concat(),
-            triangles: cube().triangles.into_iter().chain(shifted).collect(),
-        };
+        let both = joined(&cube(), &other);
         assert_eq!(check(&both).pieces, 2);
         assert!(check(&both).is_solid());
+    }
+
+    #[test]
+    fn each_piece_faces_its_own_way() {
+        let turned = |mesh: Mesh| mesh.mapped(|v| -v);
+        let small = cube().mapped(|v| 0.5 * v);
+        let aside = cube().mapped(|v| v + 3.0 * DVec3::X);
+        let table =
+            [("a hollow cube", small.clone(), turned(small.clone()), 1, 0), ("two cubes", aside.clone(), turned(aside), 0, 1)];
+        for (name, outwards, inwards, wrong_outwards, wrong_inwards) in table {
+            assert_eq!(check(&joined(&cube(), &outwards)).inside_out, wrong_outwards, "{name}");
+            assert_eq!(check(&joined(&cube(), &inwards)).inside_out, wrong_inwards, "{name}");
+        }
     }
 }

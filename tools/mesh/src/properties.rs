@@ -42,17 +42,8 @@ pub fn properties(mesh: &Mesh) -> Option<Properties> {
     Some(Properties { volume, centre: centre + origin, inertia })
 }
 
-/// Volume \[m^3\], negative when the mesh is inside out.
-pub(crate) fn signed_volume(mesh: &Mesh) -> f64 {
-    let origin = mesh.vertices.first().copied().unwrap_or_default();
-    let volumes = mesh.triangles.iter().map(|&triangle| {
-        let [a, b, c] = mesh.corners(triangle).map(|corner| corner - origin);
-        tetrahedron(a, b, c)
-    });
-    volumes.sum()
-}
-
-fn tetrahedron(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+/// Signed volume of the tetrahedron that a triangle spans with the origin \[m^3\].
+pub(crate) fn tetrahedron(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     a.dot(b.cross(c)) / 6.0
 }
 

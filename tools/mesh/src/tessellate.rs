@@ -59,19 +59,26 @@ pub fn capsule(radius: f64, height: f64, sides: u32) -> Mesh {
 /// Turns a profile of (radius, height), from the lowest point up, about z; first and last are poles.
 fn turned(profile: &[(f64, f64)], sides: u32) -> Mesh {
     let sides = sides.max(MIN_SIDES);
-    let [first, rings @ .., last] = profile else {
-        return Mesh::default();
-    };
-    let pole = |&(_, z): &(f64, f64)| DVec3::new(0.0, 0.0, z);
-    let point = |&(radius, z): &(f64, f64), k: u32| {
-        let angle = 2.0 * PI * f64::from(k) / f64::from(sides);
+    let Some(last) = (profile.len() as u32).checked_sub(1) else { return Mesh::default() };
+    loft(last, sides, |ring, side| {
+        let (radius, z) = profile[ring as usize];
+        let angle = 2.0 * PI * f64::from(side) / f64::from(sides);
         DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
-    };
-    let mut vertices: Vec<_> = rings.iter().flat_map(|ring| (0..sides).map(move |k| point(ring, k))).collect();
+    })
+}
+
+/// Joins rings 0 to `last` of `sides` points each, at least [`MIN_SIDES`], counter-clockwise seen from beyond the last; the first and the last ring are poles of one
+/// point. Fewer than two steps enclose nothing.
+pub(crate) fn loft(last: u32, sides: u32, point: impl Fn(u32, u32) -> DVec3) -> Mesh {
+    if last < 2 {
+        return Mesh::default();
+    }
+    let point = &point;
+    let mut vertices: Vec<_> = (1..last).flat_map(|ring| (0..sides).map(move |side| point(ring, side))).collect();
     let (bottom, top) = (vertices.len() as u32, vertices.len() as u32 + 1);
-    vertices.extend([pole(first), pole(last)]);
+    vertices.extend([point(0, 0), point(last, 0)]);
     let mut triangles = Vec::new();
-    let highest = (rings.len() as u32).saturating_sub(1) * sides;
+    let highest = (last - 2) * sides;
     for k in 0..sides {
         let next = (k + 1) % sides;
         triangles.push([bottom, next, k]);

@@ -1,25 +1,31 @@
-//! Pictures of a scene, drawn by a rasteriser that needs no display, no graphics driver and no font of the machine's: the same input
-//! gives the same bytes on every machine.
+//! Pictures of a scene: a window to look through, and a rasteriser that needs no display, no graphics driver and no font of the machine's.
 //!
-//! A [`Shot`] says what is to be seen: a baked scene, where the probe is, the wrench on it and its contact regions. [`draw`]
-//! turns it into an [`Image`], [`Image::png`] into a file. Colours: object sand and, where its surface moved, green; probe blue-grey, force
-//! red, torque violet, region blue where it sticks and orange where it slips; a legend says so with figures. World frame, +z up, SI.
+//! [`feed`] is what there is to look at: a stage, moments of it, a source that delivers them. [`picture`] makes triangles, colours and a legend of a
+//! moment. Two things draw these: [`draw`] into an [`Image`], the same bytes on every machine, [`Image::png`] into a file; and, with feature
+//! `window`, the window on OpenGL. World frame, +z up, SI.
 //!
 //! ```text
-//! Shot -> [model] triangles in world -> [camera] pixels and depth -> [raster] shaded, z-buffered -> Image -> [legend] -> PNG
+//! Source -> Stage, Frame -> [picture] triangles, colours, legend -+-> [camera] [raster] z-buffered -> [caption] -> Image -> PNG
+//!                                                                 +-> [window] OpenGL, panels, plots
 //! ```
-#![forbid(unsafe_code)]
-#![deny(missing_docs)]
+#![cfg_attr(not(feature = "window"), forbid(unsafe_code))]
+#![deny(missing_docs, unsafe_code)]
 
+mod bodies;
 mod camera;
+mod caption;
+pub mod feed;
 mod image;
-mod legend;
-mod model;
+pub mod picture;
 mod raster;
 mod shot;
 mod text;
+#[cfg(feature = "window")]
+pub mod window;
 
-pub use glam::{DQuat, DVec3};
+pub use bodies::stage;
+pub use camera::{Camera, Orbit};
+pub use glam::{DQuat, DVec3, Vec3};
 pub use haptor_mesh::Mesh;
 pub use image::{Image, MAX_SIDE, MIN_SIDE};
-pub use shot::{Pose, Region, Shot, Surface, draw};
+pub use shot::{Shot, View, draw};

@@ -1,20 +1,29 @@
 //! `cargo xtask demo`: `cargo run` builds only the program that it runs, the demonstration starts three.
 
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result};
 
 use crate::run::{self, cargo, target};
 
-/// Builds the three programs in release and runs the demonstration, whose exit code this passes on.
-pub fn run(args: &[String]) -> Result<ExitCode> {
+/// Builds the three programs in release and yields the folder in which they lie.
+///
+/// # Errors
+/// When they do not build.
+pub fn build() -> Result<PathBuf> {
     let target = target()?;
     run::run(
         cargo()
             .args(["build", "--release", "-p", "haptor", "-p", "haptor-host", "-p", "haptor-firmware-sim", "--target-dir"])
             .arg(&target),
     )?;
-    let haptor = target.join("release/haptor");
+    Ok(target.join("release"))
+}
+
+/// Builds the three programs in release and runs the demonstration, whose exit code this passes on.
+pub fn run(args: &[String]) -> Result<ExitCode> {
+    let haptor = build()?.join("haptor");
     let status = Command::new(&haptor).arg("demo").args(args).status();
     let status = status.with_context(|| format!("{} cannot be started", haptor.display()))?;
     // 255 for an end by a signal, which has no code

@@ -8,6 +8,7 @@ mod counts;
 mod demo;
 mod docs;
 mod golden;
+mod guest;
 mod m7;
 mod m7_image;
 mod pictures;
@@ -15,6 +16,7 @@ mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -39,6 +41,19 @@ enum Cli {
     /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
     #[command(after_help = "Example: cargo xtask counts")]
     Counts,
+    /// Runs host and simulated device over USB on a real-time kernel in an emulator; with the drills, unplugs, halts and damages
+    #[command(after_help = "Example: cargo xtask guest --drills --seconds 3")]
+    Guest {
+        /// Length of the first session, in the guest's time
+        #[arg(long, default_value_t = 60.0, value_name = "S")]
+        seconds: f64,
+        /// Run the drills as well
+        #[arg(long)]
+        drills: bool,
+        /// Keep the tables in tests/guest/DRILLS.md
+        #[arg(long)]
+        accept: bool,
+    },
     /// Compares the curves of the ready scenes in every tier with those that are kept
     #[command(after_help = "Example: cargo xtask golden --accept")]
     Golden {
@@ -49,12 +64,18 @@ enum Cli {
     /// Draws the pictures of the ready scenes anew: moments, force and torque over time
     #[command(after_help = "Example: cargo xtask pictures")]
     Pictures,
-    /// Checks that the documents name commands that exist, pictures that are there and links that lead somewhere
-    #[command(after_help = "Example: cargo xtask docs --check")]
+    /// Checks that the documents tell the truth
+    #[command(after_help = "Example: cargo xtask docs --check\n         cargo xtask docs --run README.md")]
     Docs {
-        /// Only check, the one thing this does
-        #[arg(long, required = true)]
+        /// Commands and options exist, pictures are there, links lead somewhere
+        #[arg(long, required_unless_present = "run", conflicts_with = "run")]
         check: bool,
+        /// Run the shell examples with released programs, each document in a folder of its own
+        #[arg(long)]
+        run: bool,
+        /// Documents to run; all when none is named
+        #[arg(requires = "run")]
+        documents: Vec<PathBuf>,
     },
 }
 
@@ -64,8 +85,10 @@ fn main() -> ExitCode {
         Cli::Ci => ci::run(),
         Cli::M7 => m7::run(),
         Cli::Counts => counts::run(),
+        Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),
+        Cli::Docs { run: true, documents, .. } => docs::run_examples(&documents),
         Cli::Docs { .. } => docs::check(),
     };
     match done {

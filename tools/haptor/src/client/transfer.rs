@@ -4,7 +4,8 @@ use std::io::Write;
 
 use haptor_wire::viewer::{CHUNK_BYTES, POINTS_IN_MESSAGE};
 use haptor_wire::{
-    Denial, FromViewer, RestBegin, RestPoints, RestState, SceneBytes, ToViewer, UploadBegin, UploadChunk, UploadState, Wish, scene_file,
+    Denial, FromViewer, RestBegin, RestPoints, RestState, SceneBytes, ToViewer, UploadBegin, UploadChunk, UploadState, Wish,
+    scene_file,
 };
 
 use super::connection::{ANSWER_WITHIN, Connection, answer};

@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use haptor_mesh::Mesh;
 use haptor_wire::FrameError;
 use haptor_wire::scene::{FILE_MAX, encode_file};
-use haptor_wire::sections::{GREEN, GRID, SECTION_OVERHEAD, encode_section};
+use haptor_wire::sections::{GREEN, GRID, SECTION_OVERHEAD, SKIN, encode_section};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
+use crate::skins;
 use crate::table;
 
 /// Bakes a scene: everything the host needs in one file.
@@ -32,6 +34,17 @@ pub fn run(args: &Args) -> Outcome {
     bake(&scene, &args.scene.display().to_string(), &args.output)
 }
 
+/// The mesh to look at; one that is too large to be carried is told and left empty.
+fn looks(mesh: &Mesh, name: &str) -> Vec<u8> {
+    skins::contents(mesh).unwrap_or_else(|| {
+        eprintln!(
+            "haptor: note: {name}: a mesh of {} triangles is too large to be carried for viewers; reduce it",
+            mesh.triangles.len()
+        );
+        Vec::new()
+    })
+}
+
 /// Bakes a scene called `name` in messages into a file.
 ///
 /// # Errors
@@ -42,16 +55,19 @@ pub fn bake(scene: &Scene, name: &str, path: &Path) -> Outcome {
     let mut file = vec![0; FILE_MAX];
     let length = encode_file(&baked, &mut file).map_err(problem)?;
     file.truncate(length);
-    if let Some(table) = table::of(scene, scene.params.tier, name)? {
-        let contents = table::contents(&table.spec());
+    let mut append = |kind, contents: &[u8]| {
         let start = file.len();
         file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
-        encode_section(GREEN, &contents, &mut file[start..]).map_err(problem)?;
+        encode_section(kind, contents, &mut file[start..]).map_err(problem)
+    };
+    if let Some(table) = table::of(scene, scene.params.tier, name)? {
+        append(GREEN, &table::contents(&table.spec()))?;
     }
     for skin in scene.skins() {
-        let (start, contents) = (file.len(), skin.contents());
-        file.resize(start + contents.len() + SECTION_OVERHEAD, 0);
-        encode_section(GRID, &contents, &mut file[start..]).map_err(problem)?;
+        append(GRID, &skin.contents())?;
+    }
+    for skin in scene.skins() {
+        append(SKIN, &looks(&skin.mesh, name))?;
     }
     output::write_file(path, &file)
 }

@@ -8,6 +8,7 @@ use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::failure::Outcome;
 use crate::output::say;
+use crate::usb::{FOLDER, Plugged, plugged_in};
 
 /// Lists serial ports, USB devices and the devices that can be simulated.
 #[derive(Debug, clap::Args)]
@@ -35,20 +36,26 @@ const PRESETS: [Preset; 4] = [
     Preset { name: "touch", model: "Touch", max_force: 3.3, max_torque: 0.0 },
 ];
 
-/// Where Linux lists USB devices.
-const USB: &str = "/sys/bus/usb/devices";
+/// Where the system keeps a link to every USB serial port by what it is, so that it is found whatever number it gets.
+const BY_ID: &str = "/dev/serial/by-id";
+
+/// Where the kernel lists terminals.
+const TERMINALS: &str = "/sys/class/tty";
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    let (serial, usb) = (serial(), usb(Path::new(USB)));
+    let usb: Vec<_> = plugged_in(Path::new(FOLDER)).iter().map(usb).collect();
+    let serial = serial(Path::new(BY_ID));
     if args.json {
         let value = json!({ "serial": serial, "usb": usb, "simulated": PRESETS.iter().map(preset).collect::<Vec<_>>() });
         say(format_args!("{value:#}"));
         return Ok(());
     }
-    print(&serial, "serial ports", |port| format!("serial:{}  {}", text(port, "port"), text(port, "what")));
+    print(&serial, "serial ports", port_line);
     print(&usb, "USB devices", |device| {
-        format!("{}:{}  {}", text(device, "vendor"), text(device, "product"), text(device, "name"))
+        let ours =
+            device.get("device").and_then(Value::as_str).map(|address| format!("  -> haptor run SCENE --device {address}"));
+        format!("{}:{}  {}{}", text(device, "vendor"), text(device, "product"), text(device, "name"), ours.unwrap_or_default())
     });
     say("simulated (haptor demo --preset NAME)");
     for Preset { name, model, max_force, max_torque } in PRESETS {
@@ -62,38 +69,52 @@ fn preset(preset: &Preset) -> Value {
     json!({ "name": preset.name, "model": preset.model, "max_force_n": preset.max_force, "max_torque_nm": preset.max_torque })
 }
 
-fn serial() -> Vec<Value> {
+fn serial(by_id: &Path) -> Vec<Value> {
+    if !Path::new(TERMINALS).is_dir() {
+        return Vec::new();
+    }
     // a system that cannot list its ports has none that could be named here
-    serialport::available_ports().unwrap_or_default().iter().map(port).collect()
+    serialport::available_ports().unwrap_or_default().iter().map(|info| port(info, by_id)).collect()
 }
 
-fn port(info: &SerialPortInfo) -> Value {
+/// A port with its names: the path, the link that stays, and the serial number of its USB device.
+fn port(info: &SerialPortInfo, by_id: &Path) -> Value {
     let what = match &info.port_type {
         SerialPortType::UsbPort(usb) => {
-            let words = [&usb.manufacturer, &usb.product, &usb.serial_number];
-            words.into_iter().flatten().cloned().collect::<Vec<_>>().join(" ")
+            [&usb.manufacturer, &usb.product].into_iter().flatten().cloned().collect::<Vec<_>>().join(" ")
         }
         SerialPortType::PciPort => "on the PCI bus".to_owned(),
         SerialPortType::BluetoothPort => "Bluetooth".to_owned(),
         SerialPortType::Unknown => String::new(),
     };
-    json!({ "port": info.port_name, "what": what })
+    let serial = match &info.port_type {
+        SerialPortType::UsbPort(usb) => usb.serial_number.clone(),
+        _ => None,
+    };
+    json!({ "port": info.port_name, "by_id": link_to(Path::new(&info.port_name), by_id), "serial": serial, "what": what })
 }
 
-/// USB devices as the kernel lists them; hubs and hosts among them.
-fn usb(folder: &Path) -> Vec<Value> {
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let mut devices: Vec<_> = entries.flatten().filter_map(|entry| usb_device(&entry.path())).collect();
-    devices.sort_by_key(|(name, _)| name.clone());
-    devices.into_iter().map(|(_, device)| device).collect()
+/// The link in `folder` that leads to `port`.
+fn link_to(port: &Path, folder: &Path) -> Option<String> {
+    let port = fs::canonicalize(port).ok()?;
+    let links = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let mut found: Vec<_> = links.filter(|link| fs::canonicalize(link).is_ok_and(|to| to == port)).collect();
+    found.sort();
+    found.first().map(|link| link.display().to_string())
 }
 
-fn usb_device(path: &Path) -> Option<(String, Value)> {
-    let read = |name: &str| fs::read_to_string(path.join(name)).ok().map(|text| text.trim().to_owned());
-    let (vendor, product) = (read("idVendor")?, read("idProduct")?);
-    let name = [read("manufacturer"), read("product")].into_iter().flatten().collect::<Vec<_>>().join(" ");
-    let place = path.file_name()?.to_string_lossy().into_owned();
-    Some((place, json!({ "vendor": vendor, "product": product, "name": name, "serial": read("serial") })))
+/// Every name by which `--device` takes the port.
+fn port_line(port: &Value) -> String {
+    let names = ["port", "serial", "by_id"].iter().filter_map(|key| port.get(key)?.as_str());
+    let names: Vec<String> = names.map(|name| format!("serial:{name}")).collect();
+    format!("{}  {}", names.join("  or  "), text(port, "what"))
+}
+
+/// `device` is what `--device` takes, and null when it is no haptor device.
+fn usb(usb: &Plugged) -> Value {
+    let Plugged { vendor, product, name, serial, .. } = usb;
+    let device = usb.is_haptor().then(|| usb.address());
+    json!({ "vendor": vendor, "product": product, "name": name, "serial": serial, "device": device })
 }
 
 fn print(list: &[Value], title: &str, line: impl Fn(&Value) -> String) {
@@ -103,4 +124,34 @@ fn print(list: &[Value], title: &str, line: impl Fn(&Value) -> String) {
 
 fn text<'v>(value: &'v Value, key: &str) -> &'v str {
     value.get(key).and_then(Value::as_str).unwrap_or("")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    #[test]
+    fn a_port_is_shown_with_every_name_that_it_has() {
+        let folder = tempfile::tempdir().unwrap();
+        let (device, by_id) = (folder.path().join("ttyACM0"), folder.path().join("by-id"));
+        fs::write(&device, "").unwrap();
+        fs::create_dir(&by_id).unwrap();
+        symlink("../ttyACM0", by_id.join("usb-Maker_Thing_A17-if00")).unwrap();
+        symlink("../ttyACM9", by_id.join("usb-Gone-if00")).unwrap();
+        let usb = serialport::UsbPortInfo {
+            vid: 1,
+            pid: 2,
+            serial_number: Some("A17".to_owned()),
+            manufacturer: Some("Maker".to_owned()),
+            product: Some("Thing".to_owned()),
+        };
+        let name = device.to_str().unwrap().to_owned();
+        let usb = SerialPortInfo { port_name: name.clone(), port_type: SerialPortType::UsbPort(usb) };
+        let link = by_id.join("usb-Maker_Thing_A17-if00");
+        let line = port_line(&port(&usb, &by_id));
+        assert_eq!(line, format!("serial:{name}  or  serial:A17  or  serial:{}  Maker Thing", link.display()));
+        let plain = SerialPortInfo { port_name: "/dev/none".to_owned(), port_type: SerialPortType::Unknown };
+        assert_eq!(port_line(&port(&plain, &by_id)), "serial:/dev/none  ");
+    }
 }

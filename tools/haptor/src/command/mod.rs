@@ -1,17 +1,25 @@
 //! The commands, one per file: its arguments, what it does, its messages.
 
 mod bake;
+mod completions;
+mod config;
 mod demo;
 mod devices;
 mod doctor;
 mod eval;
+mod export;
 mod mesh;
 mod plot;
+mod record;
+mod replay;
 mod run;
+mod tell;
 mod trajectory;
 mod view;
+mod watch;
 
 pub use eval::HEADER as EVAL_HEADER;
+pub use run::device as device_kind;
 
 use crate::failure::Outcome;
 
@@ -22,12 +30,18 @@ pub enum Command {
     Demo(demo::Args),
     Bake(bake::Args),
     Run(run::Args),
+    Record(record::Args),
+    Replay(replay::Args),
+    Export(export::Args),
     View(view::Args),
+    Tell(tell::Args),
     Plot(plot::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
     Devices(devices::Args),
     Doctor(doctor::Args),
+    Config(config::Args),
+    Completions(completions::Args),
 }
 
 /// Runs one command.
@@ -37,11 +51,17 @@ pub fn run(command: Command) -> Outcome {
         Command::Demo(args) => demo::run(&args),
         Command::Bake(args) => bake::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),
+        Command::Tell(args) => tell::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Config(args) => config::run(&args),
+        Command::Completions(args) => completions::run(&args),
     }
 }

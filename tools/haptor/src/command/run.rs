@@ -1,9 +1,13 @@
 //! `haptor run`: bakes a scene and starts the real-time host with it; the host's own words pass through.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use haptor_wire::viewer::DEFAULT_ADDRESS;
+
 use super::bake::bake;
+use crate::client::Address;
+use crate::config::{self, Config};
 use crate::failure::{Failure, Outcome};
 use crate::output::unwritten;
 use crate::programs::{self, Child};
@@ -19,49 +23,89 @@ use crate::session::host::PATIENCE;
 #[command(after_help = "Example: haptor run tests/scenes/cube-twist.toml --device serial:/dev/ttyACM0 --rt enforce\n\
                         Without a device: haptor run tests/scenes/cube-twist.toml --device sim --rt ignore --seconds 5")]
 pub struct Args {
-    /// Scene file (TOML)
-    scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT; `haptor devices` lists what is there
-    #[arg(long, value_parser = device)]
-    device: String,
-    /// Ticks per second [Hz], 100 to 8000
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]
-    rate: u32,
-    /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted
-    #[arg(long, default_value = "enforce", value_parser = ["enforce", "ignore"])]
-    rt: String,
-    /// Length of the session [s]; until Ctrl-C when not given
-    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
-    seconds: Option<f64>,
+    #[command(flatten)]
+    session: Session,
     /// Recording to write
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 }
 
-/// What a simulated device is: the smallest that renders torque.
-const PRESET: &str = "premium15";
+/// A session with a device.
+#[derive(Debug, clap::Args)]
+pub struct Session {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
+    /// [default: that of
+    /// `haptor config`]
+    #[arg(long, value_parser = device)]
+    device: Option<String>,
+    /// Ticks per second [Hz], 100 to 8000 [default: that of `haptor config`, or 1000]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(100..=8000))]
+    pub rate: Option<u32>,
+    /// enforce: refuse to start without real-time rights, saying what to do; ignore: take what is granted [default: that of `haptor
+    /// config`, or enforce]
+    #[arg(long, value_parser = ["enforce", "ignore"])]
+    rt: Option<String>,
+    /// What `--device sim` simulates [default: that of `haptor config`, or premium15]
+    #[arg(long, value_parser = ["premium15", "sigma7", "omega6", "touch"])]
+    preset: Option<String>,
+    /// Length of the session [s]; until Ctrl-C when not given
+    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
+    seconds: Option<f64>,
+    /// Let viewers in (`haptor view`, `haptor tell`) at HOST:PORT or unix:PATH; without an address at 127.0.0.1:21278
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
+    viewer: Option<Address>,
+    /// File with the token that viewers must know; HAPTOR_TOKEN of the environment when not given
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+}
+
+impl Session {
+    /// File with the token that viewers must know.
+    pub fn token_file(&self) -> Option<&Path> {
+        self.token_file.as_deref()
+    }
+
+    /// Length \[s\].
+    pub const fn seconds(&self) -> Option<f64> {
+        self.seconds
+    }
+}
 
 /// How long a simulated device serves when no length is given \[s\]: some eleven days, what it takes at most.
 const LONGEST_S: f64 = 999_990.0;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
+    start(&args.session, args.record.as_deref())
+}
+
+/// Runs a session to its end, recording it where asked.
+pub fn start(args: &Session, record: Option<&Path>) -> Outcome {
+    let chosen = Chosen::new(args, Config::load()?)?;
     let scene = Scene::load(&args.scene)?;
     let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
     let model = work.path().join("scene.model");
     bake(&scene, &args.scene.display().to_string(), &model)?;
-    let simulated = simulated(args)?;
-    let device = simulated.as_ref().map_or(args.device.clone(), |device| format!("serial:{}", device.port));
+    let simulated = simulated(&chosen, args.seconds)?;
+    let device = simulated.as_ref().map_or(chosen.device.clone(), |device| format!("serial:{}", device.port));
     let mut command = Command::new(programs::find(programs::HOST)?);
-    command.arg(&model).args(["--device", &device, "--rate", &args.rate.to_string(), "--rt", &args.rt]).arg(programs::TIED);
+    command.arg(&model).args(["--device", &device, "--rate", &chosen.rate.to_string(), "--rt", &chosen.rt]).arg(programs::TIED);
     if simulated.is_some() {
         command.args(PATIENCE);
     }
     if let Some(seconds) = args.seconds {
         command.args(["--seconds", &seconds.to_string()]);
     }
-    if let Some(record) = &args.record {
+    if let Some(record) = record {
         command.arg("--record").arg(record);
+    }
+    if let Some(address) = &args.viewer {
+        command.args(["--viewer", &address.to_string()]);
+    }
+    if let (Some(_), Some(file)) = (&args.viewer, &args.token_file) {
+        command.arg("--token-file").arg(file);
     }
     let interrupted = programs::note_interrupts()?;
     let status = Child::attached(&mut command)?.wait_for_end(&interrupted);
@@ -73,24 +117,48 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-fn simulated(args: &Args) -> Result<Option<SimulatedDevice>, Failure> {
-    if args.device != "sim" {
+/// What holds: the command line, then the configuration, then the defaults.
+struct Chosen {
+    device: String,
+    rate: u32,
+    rt: String,
+    preset: String,
+}
+
+impl Chosen {
+    fn new(args: &Session, config: Config) -> Result<Self, Failure> {
+        let device = args.device.clone().or(config.device).ok_or_else(|| {
+            Failure::bad_input(
+                "no device: give --device (`haptor devices` lists what is there), or name one in the file of `haptor config`",
+            )
+        })?;
+        Ok(Self {
+            device,
+            rate: args.rate.or(config.rate).unwrap_or(config::RATE),
+            rt: args.rt.clone().or(config.rt).unwrap_or_else(|| config::RT.to_owned()),
+            preset: args.preset.clone().or(config.preset).unwrap_or_else(|| config::PRESET.to_owned()),
+        })
+    }
+}
+
+fn simulated(chosen: &Chosen, seconds: Option<f64>) -> Result<Option<SimulatedDevice>, Failure> {
+    if chosen.device != "sim" {
         return Ok(None);
     }
-    let seconds = args.seconds.unwrap_or(LONGEST_S) + 10.0;
-    SimulatedDevice::start(PRESET, "press-twist-slide", seconds, &[]).map(Some)
+    let seconds = seconds.unwrap_or(LONGEST_S) + 10.0;
+    SimulatedDevice::start(&chosen.preset, "press-twist-slide", seconds, &[]).map(Some)
 }
 
 /// The host checks it fully; what it calls a device and this program another does not reach it.
-fn device(text: &str) -> Result<String, String> {
+pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
-        ("sim", true) | ("usb", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
-        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT or tcp:HOST:PORT".to_owned()),
+        ("sim", true) | ("usb" | "usb-bulk", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
+        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= LONGEST_S => Ok(value),
         _ => Err("allowed is a number above 0, up to 999990 s".to_owned()),

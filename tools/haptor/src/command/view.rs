@@ -1,10 +1,15 @@
 //! `haptor view`: one picture of a scene, drawn without a display.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use haptor_viewer::{DQuat, DVec3, MAX_SIDE, MIN_SIDE, Mesh, Pose, Region, Shot, Surface, draw};
+use haptor_viewer::feed::{Displacement, Frame, Mode, Pose, Region, Stage, Wrench};
+use haptor_viewer::picture::{ColourBy, Settings};
+use haptor_viewer::{DVec3, MAX_SIDE, MIN_SIDE, Mesh, Shot, Vec3, View, draw};
 use haptor_wire::{BakedScene, Deformation};
 
+use super::watch::watch;
+use crate::client::Address;
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
@@ -12,8 +17,8 @@ use crate::simulation::Simulation;
 use crate::surface;
 use crate::trajectory::{self, Row};
 
-/// Draws a picture of a scene: object, deformed and coloured by how far its surface moved; probe, contact regions (blue stick, orange
-/// slip), force (red) and torque (violet), with a legend.
+/// Draws a picture of a scene: object, deformed and coloured by how far its surface moved or by the pressure on it; probe, contact regions
+/// (blue core that sticks, orange ring that slips), force (red) and torque (violet), with a legend.
 ///
 /// Without a trajectory the probe hovers 5 mm above the object; with one it is where the trajectory has it at the first row with
 /// t >= T_S, after all ticks up to there have been computed.
@@ -21,8 +26,17 @@ use crate::trajectory::{self, Row};
 #[command(after_help = "Example: haptor view --shot twist.png --scene tests/scenes/cube-twist.toml \
                         --trajectory tests/scenes/cube-twist.csv --at 1.2")]
 pub struct Args {
-    /// Address of a running host to look at (the window is not in this build)
-    addr: Option<String>,
+    /// Address of a running host to look at, HOST:PORT or unix:PATH; with --text (the window is not in this build)
+    addr: Option<Address>,
+    /// Follow the host in lines of text, two a second; it must have been started with --viewer [default address: 127.0.0.1:21278]
+    #[arg(long, conflicts_with = "shot")]
+    text: bool,
+    /// How long to follow it [s]; until its session ends when not given
+    #[arg(long, requires = "text", value_parser = super::run::seconds)]
+    seconds: Option<f64>,
+    /// File with the host's token; HAPTOR_TOKEN of the environment when not given
+    #[arg(long, value_name = "FILE", requires = "text")]
+    token_file: Option<PathBuf>,
     /// Picture to draw (PNG)
     #[arg(long, value_name = "FILE.png", requires = "scene")]
     shot: Option<PathBuf>,
@@ -38,15 +52,23 @@ pub struct Args {
     /// Width and height [pixels]
     #[arg(long, value_name = "WxH", default_value = "960x720", value_parser = size)]
     size: (u32, u32),
+    /// What the object's colours say: displacement, pressure or none
+    #[arg(long, value_name = "WHAT", default_value = "displacement", value_parser = colour)]
+    colour: ColourBy,
+    /// Where the eye stands: degrees to the right of the front, degrees above the level, and m from the scene's middle (fitted when left out)
+    #[arg(long, value_name = "AZ,EL[,DIST]", allow_hyphen_values = true, value_parser = orbit)]
+    orbit: Option<View>,
 }
-
-/// Room above a force drawn at its full length.
-const FORCE_ROOM: f64 = 1.1;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
+    if args.text {
+        return watch(&args.addr.clone().unwrap_or_default(), args.token_file.as_deref(), args.seconds);
+    }
     let (Some(shot), Some(scene)) = (&args.shot, &args.scene) else {
-        return Err(Failure::bad_input("the window is not in this build; draw a picture with --shot FILE.png --scene SCENE"));
+        return Err(Failure::bad_input(
+            "the window is not in this build; draw a picture with --shot FILE.png --scene SCENE, or follow a host with --text",
+        ));
     };
     if args.addr.is_some() {
         return Err(Failure::bad_input("give an address or --shot, not both"));
@@ -59,7 +81,13 @@ pub fn run(args: &Args) -> Outcome {
         None => Moment::at_rest(&baked),
     };
     let skins: Vec<Mesh> = scene.skins().map(|skin| skin.mesh.clone()).collect();
-    let image = draw(&moment.shot(&baked, &skins, args.size));
+    let image = draw(&Shot {
+        stage: Arc::new(moment.stage(haptor_viewer::stage(&baked, &skins))),
+        frame: moment.frame,
+        settings: Settings { colour_by: args.colour, ..Settings::default() },
+        view: args.orbit.unwrap_or_default(),
+        size: args.size,
+    });
     let png = image.png().map_err(|error| Failure::problem(format!("the picture cannot be encoded: {error}")))?;
     output::write_file(shot, &png)
 }
@@ -67,38 +95,26 @@ pub fn run(args: &Args) -> Outcome {
 /// What the picture shows beside the bodies.
 #[derive(Debug, Default)]
 struct Moment {
-    position: DVec3,
-    rotation: DQuat,
-    force: DVec3,
-    torque: DVec3,
+    frame: Frame,
     /// Largest force up to now \[N\].
     peak_force: f64,
     /// Largest torque up to now \[N m\].
     peak_torque: f64,
-    regions: Vec<Region>,
-    surface: Option<Surface>,
+    /// The object at rest, finer near the contacts, when it is deformed.
+    object: Option<Mesh>,
 }
 
 impl Moment {
     /// The probe where a session starts.
     fn at_rest(baked: &BakedScene) -> Self {
-        Self { position: DVec3::from_array(baked.place.p_wd.map(f64::from)), ..Self::default() }
+        let probe = Pose { position: DVec3::from_array(baked.place.p_wd.map(f64::from)), ..Pose::default() };
+        Self { frame: Frame { probe, ..Frame::default() }, ..Self::default() }
     }
 
-    fn shot<'a>(&self, scene: &'a BakedScene, skins: &'a [Mesh], size: (u32, u32)) -> Shot<'a> {
-        Shot {
-            scene,
-            skins,
-            pose: Pose { position: self.position, rotation: self.rotation },
-            force: self.force,
-            torque: self.torque,
-            // nothing felt yet: any scale draws nothing
-            force_scale: if self.peak_force > 0.0 { FORCE_ROOM * self.peak_force } else { 1.0 },
-            torque_scale: if self.peak_torque > 0.0 { 1.5 * self.peak_torque } else { 1.0 },
-            regions: self.regions.clone(),
-            surface: self.surface.clone(),
-            size,
-        }
+    /// The stage with the object in the triangles of this moment.
+    fn stage(&self, stage: Stage) -> Stage {
+        let object = self.object.clone().unwrap_or_else(|| stage.object.clone());
+        Stage { object, force_scale: self.peak_force, torque_scale: self.peak_torque, ..stage }
     }
 }
 
@@ -116,37 +132,49 @@ fn moment(scene: &Scene, path: &Path, at: Option<f64>) -> Result<Moment, Failure
     let mut simulation = Simulation::new(scene, &params).map_err(Failure::bad_input)?;
     let mut moment = Moment::default();
     rows[..=last].iter().for_each(|row| moment.advance(&mut simulation, row));
-    moment.regions = simulation.patches().map(region).collect();
+    moment.frame.regions = simulation.patches().map(region).collect();
     let amount = scene.extras.deformation;
     if amount != Deformation::None {
-        moment.surface = Some(deformed(&simulation, &rows[last], amount == Deformation::Full));
+        moment.deform(&simulation, &rows[last], amount == Deformation::Full);
     }
     Ok(moment)
 }
 
 impl Moment {
     fn advance(&mut self, simulation: &mut Simulation<'_>, row: &Row) {
-        let wrench = simulation.tick(row).contact;
+        let output = simulation.tick(row);
         let probe = simulation.probe(row);
-        (self.position, self.rotation) = (wide(probe.position), probe.rotation.as_dquat());
-        (self.force, self.torque) = (wide(wrench.force), wide(wrench.torque));
-        self.peak_force = self.peak_force.max(self.force.length());
-        self.peak_torque = self.peak_torque.max(self.torque.length());
+        let (force, torque) = (wide(output.contact.force), wide(output.contact.torque));
+        self.peak_force = self.peak_force.max(force.length());
+        self.peak_torque = self.peak_torque.max(torque.length());
+        self.frame.time = row.t;
+        self.frame.probe = Pose { position: wide(probe.position), rotation: probe.rotation.as_dquat() };
+        self.frame.contact = Wrench { force, torque };
+        self.frame.depth = output.report.depth.into();
+        self.frame.mode = Mode::Running;
+    }
+
+    fn deform(&mut self, simulation: &Simulation<'_>, row: &Row, body: bool) {
+        let (object, moved) = surface::deformed(&simulation.surface(row, body), simulation.skin());
+        self.frame.displacement = Some(Displacement { tick: self.frame.tick, moved: moved.into() });
+        self.object = Some(object);
     }
 }
 
-fn deformed(simulation: &Simulation<'_>, row: &Row, body: bool) -> Surface {
-    let (mut mesh, displacement) = surface::deformed(&simulation.surface(row, body), simulation.skin());
-    let moved = displacement.iter().map(|&u| wide(u)).collect::<Vec<_>>();
-    mesh.vertices.iter_mut().zip(&moved).for_each(|(vertex, moved)| *vertex += *moved);
-    Surface { mesh, moved: moved.iter().map(|u| u.length()).collect() }
-}
-
 fn region(patch: haptor_contact::PatchReport) -> Region {
-    Region { centre: wide(patch.centre), normal: wide(patch.normal), radius: patch.radius.into(), stick: patch.stick.into() }
+    let radius = f64::from(patch.radius);
+    Region {
+        centre: wide(patch.centre),
+        normal: wide(patch.normal),
+        radius,
+        stick_radius: Region::core(radius, patch.stick.into()),
+        force: wide(patch.force),
+        torque: wide(patch.torque),
+        pressure: None,
+    }
 }
 
-fn wide(v: haptor_contact::Vec3) -> DVec3 {
+fn wide(v: Vec3) -> DVec3 {
     DVec3::from_array(v.to_array().map(f64::from))
 }
 
@@ -155,4 +183,50 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').ok_or_else(allowed)?;
     let side = |text: &str| text.parse().ok().filter(|side| (MIN_SIDE..=MAX_SIDE).contains(side)).ok_or_else(allowed);
     Ok((side(width)?, side(height)?))
+}
+
+fn colour(text: &str) -> Result<ColourBy, String> {
+    let found = ColourBy::ALL.into_iter().find(|by| by.name() == text);
+    found.ok_or_else(|| format!("allowed is {}", ColourBy::ALL.map(ColourBy::name).join(", ")))
+}
+
+/// Steepest view \[degrees\]: beyond it the picture would be upside down.
+const STEEPEST: f64 = 90.0;
+
+fn orbit(text: &str) -> Result<View, String> {
+    let allowed = || {
+        format!(
+            "allowed is AZIMUTH,ELEVATION[,DISTANCE]: degrees, -{STEEPEST} to {STEEPEST} degrees, m above 0, e.g. 30,20 or 30,20,0.5"
+        )
+    };
+    let numbers: Vec<f64> = text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().map_err(|_| allowed())?;
+    let (azimuth, elevation, distance) = match numbers[..] {
+        [azimuth, elevation] => (azimuth, elevation, None),
+        [azimuth, elevation, distance] => (azimuth, elevation, Some(distance)),
+        _ => return Err(allowed()),
+    };
+    let good = azimuth.is_finite() && elevation.abs() <= STEEPEST && distance.is_none_or(|d| d > 0.0 && d.is_finite());
+    if good { Ok(View { azimuth, elevation, distance }) } else { Err(allowed()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_are_angles_and_a_distance() {
+        let view = |azimuth, elevation, distance| Ok(View { azimuth, elevation, distance });
+        assert_eq!(orbit("30,20"), view(30.0, 20.0, None));
+        assert_eq!(orbit("-400, -90, 0.5"), view(-400.0, -90.0, Some(0.5)));
+        for bad in ["", "30", "30,91", "30,20,0", "nan,0", "0,nan", "0,0,inf", "1,2,3,4", "a,b"] {
+            assert!(orbit(bad).unwrap_err().contains("AZIMUTH,ELEVATION"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn colours_have_names() {
+        assert_eq!(colour("pressure"), Ok(ColourBy::Pressure));
+        assert_eq!(colour("none"), Ok(ColourBy::Nothing));
+        assert!(colour("rainbow").unwrap_err().contains("displacement, pressure, none"));
+    }
 }

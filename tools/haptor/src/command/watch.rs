@@ -68,7 +68,8 @@ fn line(s: &Snapshot) -> String {
     let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
     let regions = s.patches.iter().map(|patch| patch.region).max().map_or(0, |last| last + 1);
     let fault = s.fault.map_or(String::new(), |fault| format!("  FAULT: {}", fault.name()));
-    let said: Vec<&str> = flags::NAMES.iter().enumerate().filter(|(i, _)| s.flags & 1 << (24 + i) != 0).map(|(_, name)| *name).collect();
+    let said: Vec<&str> =
+        flags::NAMES.iter().enumerate().filter(|(i, _)| s.flags & 1 << (24 + i) != 0).map(|(_, name)| *name).collect();
     let said = if said.is_empty() { String::new() } else { format!("  ({})", said.join(", ")) };
     format!(
         "tick {:>8}  F {:7.3} N  T {:8.4} N m  depth {:6.3} mm  regions {regions}  {}  output {}  device {}  in time {:5.1} %{said}{fault}",

@@ -1,10 +1,13 @@
-//! What makes a machine good or bad at a thousand ticks a second: kernel, rights, cores, sleep states, programs, timer.
+//! What makes a machine good or bad at a thousand ticks a second: kernel, rights, cores, sleep states, devices,
+//! programs, timer.
 //!
 //! Each check reads one thing of the system and judges it; nothing is changed. Only what keeps the project from running at all is
 //! a fail; what makes late ticks likelier is a warning.
 
+mod serial;
 mod system;
 mod timer;
+mod usb;
 
 use crate::programs;
 
@@ -64,6 +67,8 @@ pub fn examine(soak: Option<u32>) -> Vec<Finding> {
         system::memlock(),
         system::governor(),
         system::dma_latency(),
+        usb::check(),
+        serial::latency(),
         program(programs::HOST),
         program(programs::FIRMWARE_SIM),
         timer::check(soak),

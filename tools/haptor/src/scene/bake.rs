@@ -119,21 +119,26 @@ fn probe_shape(shape: ProbeShape<'_>, skins: &mut impl Iterator<Item = usize>) -
 impl Skin {
     /// Contents of the section of kind [`GRID`](wire::sections::GRID) that carries the skin.
     pub fn contents(&self) -> Vec<u8> {
-        let Baked { origin, spacing, counts, coefficients, samples, low, high, volume, reach, .. } = self.baked;
-        // counts of 128 and 2048 at most: exact
-        let counts = counts.map(|count| count as f32);
-        let head = [
-            &origin.to_array()[..],
-            &[*spacing],
-            &counts,
-            &low.to_array(),
-            &high.to_array(),
-            &[*volume, *reach, samples.len() as f32],
-        ];
-        let sample = |s: &SurfaceSample| [s.position.to_array(), s.normal.to_array()].concat().into_iter().chain([s.area]);
-        let numbers = head.concat().into_iter().chain(coefficients.iter().copied()).chain(samples.iter().flat_map(sample));
-        numbers.flat_map(f32::to_le_bytes).collect()
+        grid_contents(self.baked)
     }
+}
+
+/// Contents of the section of kind [`GRID`](wire::sections::GRID) that carries a baked mesh.
+pub fn grid_contents(baked: &Baked) -> Vec<u8> {
+    let Baked { origin, spacing, counts, coefficients, samples, low, high, volume, reach, .. } = baked;
+    // counts of 128 and 2048 at most: exact
+    let counts = counts.map(|count| count as f32);
+    let head = [
+        &origin.to_array()[..],
+        &[*spacing],
+        &counts,
+        &low.to_array(),
+        &high.to_array(),
+        &[*volume, *reach, samples.len() as f32],
+    ];
+    let sample = |s: &SurfaceSample| [s.position.to_array(), s.normal.to_array()].concat().into_iter().chain([s.area]);
+    let numbers = head.concat().into_iter().chain(coefficients.iter().copied()).chain(samples.iter().flat_map(sample));
+    numbers.flat_map(f32::to_le_bytes).collect()
 }
 
 fn tier(tier: Tier) -> wire::Tier {

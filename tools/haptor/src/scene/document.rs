@@ -172,6 +172,12 @@ impl<'d, 'a> Section<'d, 'a> {
         value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value))
     }
 
+    /// A text, or nothing.
+    pub fn optional_text(&self, key: Key) -> Result<Option<&'d str>, SceneError> {
+        let Some(value) = self.find(key.name) else { return Ok(None) };
+        value.get_ref().as_str().map(Some).ok_or_else(|| self.wrong_type(key, value))
+    }
+
     /// The path of a file that the scene names, relative to the scene's own folder.
     pub fn beside(&self, name: &str) -> PathBuf {
         Path::new(self.document.file).parent().unwrap_or(Path::new("")).join(name)

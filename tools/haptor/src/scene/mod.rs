@@ -14,11 +14,12 @@ use std::path::Path;
 
 use haptor_contact::{GuardSpec, Invalid, Model, ModelSpec, Params, ParamsSpec};
 
+pub use bake::grid_contents;
 pub use body::{Object, Probe};
 pub use document::SceneError;
-use document::{Document, Key, key};
+pub use document::{Document, Key, key};
 pub use settings::Extras;
-pub use skin::Skin;
+pub use skin::{Skin, fetch_body};
 
 use crate::failure::Failure;
 

@@ -1,30 +1,30 @@
-//! Bodies given by mesh files: loaded, checked, moved into the frame of the body, baked for the core.
+//! Bodies given by mesh files: read, checked, moved into the frame of the body and baked by [`haptor_mesh::body`], or found in the cache folder.
 //!
-//! A **skin** is the mesh and what was baked from it. An object's skin stands on the middle of its bounds' base; that of a probe or of a part of one has its
-//! mass centre at the origin. A probe whose mesh has hollows is cut into convex parts, because the core makes one contact a part; an object's hollows are
-//! told, and refused where they are deep. Baked skins live as long as the program, which reads one scene.
+//! A **skin** is a part's mesh and what was baked from it. An object's skin stands on the middle of its bounds' base; that of a probe or of a part of one has
+//! its mass centre at the origin. A probe whose mesh has hollows is cut into convex parts, because the core makes one contact a part; an object's hollows are
+//! told, and refused where they are deeper than the scene allows. Skins live as long as the program, which reads one scene.
 
-use haptor_contact::{Inertia, MAX_PARTS, MeshShape, Vec3};
-use haptor_mesh::bake::{about_mass_centre, on_its_base};
-use haptor_mesh::convex::{CONVEX, CutSpec, concavity, cut};
-use haptor_mesh::{BakeSpec, Baked, DVec3, Mesh, bake, check, load_stl, properties, weld};
+use haptor_contact::{Inertia, MeshShape, Vec3};
+use haptor_mesh::body::{self, Body, Recipe, Role};
+use haptor_mesh::kept::{Fetched, Keep};
+use haptor_mesh::load::{extension, read_bytes};
+use haptor_mesh::{BakeSpec, Baked, DMat3, DVec3, Mesh};
 
 use super::document::{Key, SceneError, Section, key};
 use crate::progress;
 
-const FILE: Key = key("file", "the path of an STL file, relative to the scene", "\"part.stl\"");
+const FILE: Key = key("file", "the path of an STL, OBJ or PLY file, relative to the scene", "\"part.stl\"");
 const SCALE: Key = key("scale", "a number above 0 that takes the file's unit to metres", "0.001");
+const REPAIR: Key = key("repair", "true or false; true mends equal corners, flipped faces and small holes", "true");
+const MAX_HOLLOW: Key = key("max_hollow", "a number, 0 to 1: depth of the deepest hollow over the diagonal", "0.05");
 
-/// Extents of a body along each axis \[m\]: those of the scene's other shapes.
-const EXTENTS: std::ops::RangeInclusive<f64> = 1.0e-6..=1.0e2;
-
-/// Deepest hollow of an object, as a share of its diagonal: one contact a part is wrong by more than that anyway.
-const HOLLOW: f64 = 0.05;
+/// Deepest hollow of an object where the scene gives none, as a share of its diagonal: one contact a part is wrong by more than that anyway.
+const HOLLOW: f32 = 0.05;
 
 /// Steps of the bar while a mesh is baked.
 const STEPS: u64 = 100;
 
-/// A body's mesh and what was baked from it.
+/// A part's mesh and what was baked from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
     /// In the body's frame \[m\].
@@ -47,25 +47,29 @@ pub struct Part {
 /// Reads the keys of an object that is a mesh.
 ///
 /// # Errors
-/// [`SceneError`] at `file` or `scale`: what is wrong with the mesh.
+/// [`SceneError`] at `file`, `scale` or `max_hollow`: what is wrong with the mesh.
 pub fn object(section: &Section<'_, '_>) -> Result<Skin, SceneError> {
-    let mesh = solid(section)?;
-    let hollow = concavity(&mesh).unwrap_or(0.0);
-    if hollow > HOLLOW {
+    let body = read(section, Role::Object)?;
+    let most = section.optional_number(MAX_HOLLOW)?.unwrap_or(HOLLOW);
+    if !(0.0..=1.0).contains(&most) {
+        return Err(section.error("max_hollow", &format!("allowed is {}; correct the value", MAX_HOLLOW.allowed)));
+    }
+    let hollow = body.hollow;
+    let found = format!("has hollows of {:.1} % of its diagonal ({:.2e} m deep)", 100.0 * hollow.share, hollow.depth);
+    if hollow.share > f64::from(most) {
         let what = format!(
-            "has hollows of {:.1} % of its diagonal, allowed is up to {:.0} %: take its convex parts apart or fill them",
-            100.0 * hollow,
-            100.0 * HOLLOW
+            "{found}, allowed is up to {:.0} %: take its convex parts apart, fill them, or raise object.max_hollow",
+            100.0 * most
         );
         return Err(section.error("file", &what));
     }
-    if hollow > CONVEX {
-        let percent = 100.0 * hollow;
-        section
-            .note("file", &format!("has hollows of {percent:.1} % of its diagonal; a part of the probe makes one contact there"));
+    if !hollow.is_convex() {
+        section.note("file", &format!("{found}; a part of the probe makes one contact there"));
     }
-    let based = on_its_base(&mesh).map(|(mesh, _)| mesh);
-    skin(section, based.ok_or_else(|| nothing(section))?)
+    match body.parts.into_iter().next() {
+        Some(part) => Ok(of_part(section, part)?.skin),
+        None => Err(section.error("file", "encloses no volume; give the mesh of a solid")),
+    }
 }
 
 /// Reads the keys of a probe, or of a part of one, that is a mesh; yields its convex parts and its inertia per mass \[m^2\].
@@ -73,71 +77,58 @@ pub fn object(section: &Section<'_, '_>) -> Result<Skin, SceneError> {
 /// # Errors
 /// As [`object`].
 pub fn probe(section: &Section<'_, '_>) -> Result<(Vec<Part>, Inertia), SceneError> {
-    let whole = solid(section)?;
-    let (centred, _) = about_mass_centre(&whole).ok_or_else(|| nothing(section))?;
-    let inertia = inertia(&centred).ok_or_else(|| nothing(section))?;
-    if concavity(&centred).unwrap_or(0.0) <= CONVEX {
-        return Ok((vec![Part { skin: skin(section, centred)?, position: Vec3::ZERO }], inertia));
+    let body = read(section, Role::Probe)?;
+    if !body.hollow.is_convex() {
+        section.note("file", &format!("has hollows: felt as {} convex parts", body.parts.len()));
     }
-    let pieces = cut(&centred, &CutSpec { parts: MAX_PARTS, ..CutSpec::default() });
-    section.note("file", &format!("has hollows: felt as {} convex parts", pieces.len()));
-    let parts: Result<Vec<Part>, SceneError> = pieces.iter().map(|piece| part(section, piece)).collect();
+    let inertia = inertia(&body.inertia);
+    let parts: Result<Vec<Part>, SceneError> = body.parts.into_iter().map(|part| of_part(section, part)).collect();
     Ok((parts?, inertia))
 }
 
-fn part(section: &Section<'_, '_>, piece: &Mesh) -> Result<Part, SceneError> {
-    let (mesh, centre) = about_mass_centre(piece).ok_or_else(|| nothing(section))?;
-    Ok(Part { skin: skin(section, mesh)?, position: centre.as_vec3() })
-}
-
-/// The mesh of `file`, welded, checked to be the skin of one solid of a size that can be felt.
-fn solid(section: &Section<'_, '_>) -> Result<Mesh, SceneError> {
+/// The body of `file`.
+fn read(section: &Section<'_, '_>, role: Role) -> Result<Body, SceneError> {
     let path = section.beside(section.text(FILE)?);
     let scale = section.optional_number(SCALE)?.unwrap_or(1.0);
     if !(scale > 0.0 && scale.is_finite()) {
         return Err(section.error("scale", &format!("allowed is {}; correct the value", SCALE.allowed)));
     }
-    let loaded = load_stl(&path, f64::from(scale));
-    let mesh = weld(&loaded.map_err(|error| section.error("file", &error.to_string()))?, None);
-    let problems = check(&mesh).problems();
-    if !problems.is_empty() {
-        let what =
-            format!("is not the skin of a solid: {}; mend the mesh, `haptor mesh check` tells when it is", problems.join("; "));
-        return Err(section.error("file", &what));
+    let mend = section.optional_flag(REPAIR)?.unwrap_or(false);
+    let refused = |error: &dyn std::fmt::Display| section.error("file", &error.to_string());
+    let recipe = Recipe { scale: f64::from(scale), role, mend, bake: BakeSpec::default() };
+    let bytes = read_bytes(&path).map_err(|error| refused(&error))?;
+    let body = fetch_body(bytes, extension(&path).as_deref(), &recipe).map_err(|error| refused(&error))?.result;
+    if !body.mended.is_empty() {
+        section.note("file", &format!("was mended: {}", body.mended.join(", ")));
     }
-    check_size(section, &mesh)?;
-    Ok(mesh)
+    Ok(body)
 }
 
-fn check_size(section: &Section<'_, '_>, mesh: &Mesh) -> Result<(), SceneError> {
-    let (low, high) = mesh.bounds().ok_or_else(|| nothing(section))?;
-    let DVec3 { x, y, z } = high - low;
-    if [x, y, z].iter().all(|extent| EXTENTS.contains(extent)) {
-        return Ok(());
-    }
-    let what =
-        format!("is {x:.3e} x {y:.3e} x {z:.3e} m, allowed is 1e-6 to 1e2 m on every axis; give the scale of the file's unit");
-    Err(section.error("file", &what))
-}
-
-fn skin(section: &Section<'_, '_>, mesh: Mesh) -> Result<Skin, SceneError> {
+/// The body of a mesh file's bytes, from the cache folder where it is there. A bar on standard error shows what is baked; what the cache folder
+/// refuses is said there and does no harm.
+///
+/// # Errors
+/// [`body::BodyError`] says what is wrong with the mesh.
+pub fn fetch_body(bytes: Vec<u8>, extension: Option<&str>, recipe: &Recipe) -> Result<Fetched<Body>, body::BodyError> {
     let bar = progress::bar(STEPS, "baking a mesh");
-    let baked = bake(&mesh, &BakeSpec::default(), &mut |share| bar.set_position((share * STEPS as f64) as u64));
+    let mut share = |share: f64| bar.set_position((share * STEPS as f64) as u64);
+    let fetched = body::fetch(bytes, extension, recipe, Body::KIND.folder().as_deref(), &mut share);
     bar.finish_and_clear();
-    let refused = |what: String| section.error("file", &format!("cannot be baked: {what}"));
-    let baked: &'static Baked = Box::leak(Box::new(baked.map_err(|error| refused(error.to_string()))?));
-    let shape = baked.shape().map_err(|invalid| refused(invalid.to_string()))?;
-    Ok(Skin { mesh, baked, shape })
+    let fetched = fetched?;
+    if let Some(trouble) = &fetched.trouble {
+        eprintln!("haptor: the mesh was baked, but the cache is of no use: {trouble}");
+    }
+    Ok(fetched)
+}
+
+fn of_part(section: &Section<'_, '_>, part: body::Part) -> Result<Part, SceneError> {
+    let baked: &'static Baked = Box::leak(Box::new(part.baked));
+    let shape = baked.shape().map_err(|invalid| section.error("file", &format!("cannot be baked: {invalid}")))?;
+    Ok(Part { skin: Skin { mesh: part.mesh, baked, shape }, position: part.position.as_vec3() })
 }
 
 /// Inertia of a solid about its mass centre, per mass \[m^2\].
-fn inertia(mesh: &Mesh) -> Option<Inertia> {
-    let solid = properties(mesh)?;
-    let tensor = solid.inertia * (1.0 / solid.volume);
+fn inertia(tensor: &DMat3) -> Inertia {
     let [x, y, z] = [tensor.x_axis, tensor.y_axis, tensor.z_axis];
-    Some(Inertia { moments: DVec3::new(x.x, y.y, z.z).as_vec3(), products: DVec3::new(x.y, x.z, y.z).as_vec3() })
-}
-
-fn nothing(section: &Section<'_, '_>) -> SceneError {
-    section.error("file", "encloses no volume; give the mesh of a solid")
+    Inertia { moments: DVec3::new(x.x, y.y, z.z).as_vec3(), products: DVec3::new(x.y, x.z, y.z).as_vec3() }
 }

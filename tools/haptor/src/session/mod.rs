@@ -5,9 +5,12 @@
 //!                                                     └── recording (file)
 //! ```
 
+pub mod describe;
 pub mod device;
 pub mod drill;
 pub mod host;
+pub mod mcap;
+pub mod offline;
 pub mod recording;
 pub mod report;
 pub mod table;

@@ -7,11 +7,11 @@
 //! |---|---|
 //! | `places` | the chart's nodes as places that can be loaded |
 //! | `table` | unit loads, moves, closed forms taken away |
-//! | [`file`](mod@file) | the table as bytes |
+//! | `file` | the table as bytes |
 //! | [`cache`] | tables kept in the user's cache folder |
 
 pub mod cache;
-pub mod file;
+mod file;
 mod places;
 mod table;
 
@@ -20,6 +20,7 @@ use haptor_contact::{Invalid, Material, ObjectShape};
 use sha2::{Digest, Sha256};
 
 use crate::fem::FemError;
+use crate::kept::Key;
 
 /// Radius of the loaded discs, as a share of the smallest half extent: smaller than the distance that places keep from edges.
 pub(crate) const RADIUS: f64 = 0.1;
@@ -62,19 +63,9 @@ pub struct GreenInputs {
 /// Version of the method and of the core's closed forms: tables of another version are computed anew.
 pub const METHOD: u32 = 1;
 
-/// SHA-256 of the inputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GreenKey(pub [u8; 32]);
-
-impl std::fmt::Display for GreenKey {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
 impl GreenInputs {
     /// Digest of the inputs and of [`METHOD`]: tables with the same key are the same.
-    pub fn key(&self) -> GreenKey {
+    pub fn key(&self) -> Key {
         let (kind, [a, b, c]) = match self.shape {
             ObjectShape::HalfSpace => (0_u32, [0.0; 3]),
             ObjectShape::Box { size } => (1, size.to_array()),
@@ -91,7 +82,7 @@ impl GreenInputs {
         for number in [a, b, c, young_modulus, poisson_ratio, self.fixed_below] {
             digest.update(number.to_le_bytes());
         }
-        GreenKey(digest.finalize().into())
+        Key(digest.finalize().into())
     }
 }
 

@@ -1,20 +1,18 @@
-//! `cargo xtask docs --check`: do the documents still tell the truth? Three things can be checked without running anything:
-//! relative links and pictures lead to files, every `haptor ...` command exists with the options shown, every `cargo xtask ...`
+//! What can be known of the documents without running anything: relative links and pictures lead to files, every `haptor ...` command exists with the options shown, every `cargo xtask ...`
 //! command exists.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
-use crate::run::{self, cargo, root, target};
+use super::documents;
+use crate::run::{root, tool};
 
 /// Checks every document; all that is wrong is said before it fails.
 pub fn check() -> Result<ExitCode> {
-    let target = target()?;
-    run::run(cargo().args(["build", "--quiet", "-p", "haptor", "--target-dir"]).arg(&target))?;
-    let haptor = target.join("debug/haptor");
+    let haptor = tool()?;
     let documents = documents()?;
     let mut wrong = Vec::new();
     for path in &documents {
@@ -28,14 +26,6 @@ pub fn check() -> Result<ExitCode> {
     bail!("the documents are wrong in {} places:\n{}", wrong.len(), wrong.join("\n"))
 }
 
-/// Every Markdown file of the repository.
-fn documents() -> Result<Vec<PathBuf>> {
-    let listed = run::ask("git", &["ls-files", "--cached", "--others", "--exclude-standard", "*.md"]);
-    let listed = listed.context("git cannot list the documents")?;
-    let paths: Vec<_> = listed.lines().map(|line| root().join(line)).filter(|path| path.is_file()).collect();
-    if paths.is_empty() { bail!("there are no documents") } else { Ok(paths) }
-}
-
 /// What is wrong with a document. Inside a fence only the commands of shell examples count, outside it links and spans.
 fn check_text(path: &Path, text: &str, haptor: &Path) -> Vec<String> {
     let folder = path.parent().unwrap_or(root());
@@ -43,7 +33,7 @@ fn check_text(path: &Path, text: &str, haptor: &Path) -> Vec<String> {
     let mut wrong = Vec::new();
     for (index, line) in text.lines().enumerate() {
         if let Some(language) = line.trim_start().strip_prefix("```") {
-            fence = if fence.is_some() { None } else { Some(language.trim()) };
+            fence = if fence.is_some() { None } else { Some(language.split_whitespace().next().unwrap_or("")) };
             continue;
         }
         let (links, commands) = match fence {
@@ -60,7 +50,7 @@ fn check_text(path: &Path, text: &str, haptor: &Path) -> Vec<String> {
 }
 
 /// Targets of the line's links and pictures within the repository, without their anchors.
-fn links(line: &str) -> Vec<&str> {
+pub fn links(line: &str) -> Vec<&str> {
     let ends = line.match_indices("](").map(|(at, _)| &line[at + 2..]);
     let targets = ends.filter_map(|rest| rest.split(')').next());
     let outside = |target: &&str| !(target.contains("://") || target.starts_with('#') || target.is_empty());

@@ -1,0 +1,115 @@
+//! What runs inside the guest of `cargo xtask guest`: sessions of the real host with the simulated device on the kernel's own USB, then the
+//! drills.
+//!
+//! `haptor-guest SECONDS [drills]`, as root, the programs in `/bin`. It prints lines that begin with `@` for `xtask` to read:
+//! `@session|...`, `@drill|...`, each with the columns of the tables in `DRILLS.md`, `@failed|WHAT` for everything that is not as it
+//! should be, and `@end`. All times are the guest's own.
+
+mod drills;
+mod judge;
+mod programs;
+mod recording;
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use anyhow::{Context, Result, ensure};
+use haptor_firmware_sim::script::CLEARANCE;
+use haptor_wire::scene_file::{FILE_MAX, encode_file};
+use haptor_wire::{
+    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, GuardLimits, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
+    Quantiles, Tier,
+};
+
+use programs::{Host, Sim, instructions};
+use recording::Recording;
+
+/// Share of a session after which the real-time thread's account is opened; its end is a second before the session's.
+const SETTLED_S: f64 = 0.5;
+
+fn main() -> Result<()> {
+    let mut args = env::args().skip(1);
+    let seconds: f64 = args.next().context("seconds")?.parse().context("seconds")?;
+    let folder = env::temp_dir();
+    let model = folder.join("ball-on-cube.model");
+    fs::write(&model, baked()?)?;
+    for (device, seconds) in [("usb:G1", seconds), ("usb-bulk:G1", seconds.min(10.0)), ("usb:G1 --pace clock", seconds.min(10.0))]
+    {
+        if let Err(error) = session(&model, device, seconds) {
+            println!("@failed|{device}: {error:#}");
+        }
+    }
+    if args.next().is_some() {
+        drills::run(&model);
+    }
+    println!("@end");
+    Ok(())
+}
+
+/// A session without a fault, told in figures.
+fn session(model: &Path, device: &str, seconds: f64) -> Result<()> {
+    let _sim = Sim::start(&["--script", "press-twist-slide"])?;
+    let file = PathBuf::from("/tmp/session.haptor");
+    let mut host = Host::start(model, device, seconds, &file)?;
+    host.run_for(SETTLED_S)?;
+    let begin = host.account()?;
+    host.run_for(seconds - SETTLED_S - 0.2)?;
+    let end = host.account()?;
+    let code = host.end()?;
+    let recording = Recording::read(&file)?;
+    let summary = recording.summary.context("the recording has no end")?;
+    let per_tick = instructions(end.ran_ns - begin.ran_ns) as f64 / (1000.0 * (end.uptime_s - begin.uptime_s));
+    let us = |q: Quantiles| {
+        format!("{:.0} / {:.0} / {:.0}", f64::from(q.p50) * 1e-3, f64::from(q.p99) * 1e-3, f64::from(q.max) * 1e-3)
+    };
+    println!(
+        "@session|{device}|{}|{}|{}|{}|{}|{}|{:.0}|{:.1}",
+        summary.ticks,
+        summary.late,
+        summary.lost,
+        us(summary.round_trip_ns),
+        us(summary.wake_ns),
+        us(summary.step_ns),
+        per_tick / 1000.0,
+        summary.peak_force,
+    );
+    ensure!(summary.fault.is_none() && code == 0, "ended with {code}, {:?}", summary.fault);
+    ensure!(summary.rt.fifo && summary.rt.locked && summary.rt.pinned, "not in real time: {:?}", summary.rt);
+    ensure!((end.files, end.memory_kb) == (begin.files, begin.memory_kb), "it grows: {begin:?}, {end:?}");
+    Ok(())
+}
+
+/// The ball on the rubber cube, the device so that the ball hovers over the middle of the top.
+fn baked() -> Result<Vec<u8>> {
+    let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
+    let scene = BakedScene {
+        object: ObjectShape::Box { size: [0.1; 3] },
+        fixed_below: 0.0,
+        young_modulus: 3.0e6,
+        poisson_ratio: 0.5,
+        density: 1100.0,
+        compliance: None,
+        probe: ProbeParts::from_slice(&[ball]).context("one part")?,
+        mass: 1.0,
+        inertia: None,
+        friction_static: 0.75,
+        friction_dynamic: 0.75,
+        region_distance: 0.004,
+        max_regions: 10,
+        tier: Tier::Bristle,
+        samples: 64,
+        sweeps: 4,
+        deformation: Deformation::Full,
+        coupling: Coupling::Direct,
+        breakaway: Breakaway::Smooth,
+        gravity: false,
+        force_law: ForceLaw::Hertz,
+        guard: GuardLimits::DEVICE_S_OWN,
+        paper_length: 0.1,
+        place: Place { p_wd: [0.0, 0.0, 0.12 + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
+    };
+    let mut file = vec![0; FILE_MAX];
+    let length = encode_file(&scene, &mut file).map_err(|error| anyhow::anyhow!("{error:?}"))?;
+    file.truncate(length);
+    Ok(file)
+}

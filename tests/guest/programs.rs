@@ -1,0 +1,178 @@
+//! The two programs under test as processes: started, watched, ended.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+/// After this a program counts as hanging: sessions say how long they last.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Time between two looks.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// Nanoseconds of an instruction in the guest: `-icount shift=1`.
+const NS_PER_INSTRUCTION: u64 = 2;
+
+/// Instructions run in so much of the guest's time.
+pub const fn instructions(ran_ns: u64) -> u64 {
+    ran_ns / NS_PER_INSTRUCTION
+}
+
+/// The simulated device, plugged in and seen by the kernel.
+pub struct Sim {
+    child: Child,
+    stdin: Option<ChildStdin>,
+}
+
+impl Sim {
+    /// Plugs it in under the serial number `G1`.
+    pub fn start(args: &[&str]) -> Result<Self> {
+        let mut command = Command::new("/bin/haptor-firmware-sim");
+        command.args(["--serve", "vhci", "--serial", "G1", "--until-stdin-closes"]).args(args);
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn()?;
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().context("its standard output")?).read_line(&mut line)?;
+        let stdin = child.stdin.take();
+        let sim = Self { child, stdin };
+        until("the kernel sees the device", || Ok(is_plugged_in()))?;
+        Ok(sim)
+    }
+
+    /// Open files of the process.
+    pub fn files(&self) -> Result<usize> {
+        files(self.child.id())
+    }
+}
+
+impl Drop for Sim {
+    fn drop(&mut self) {
+        drop(self.stdin.take());
+        let gone = until("the device ends", || Ok(self.child.try_wait()?.is_some()));
+        if gone.is_err() {
+            println!("@failed|the simulated device hangs");
+            let _ = self.child.kill();
+        }
+        let _ = until("the kernel lets go of the device", || Ok(!is_plugged_in()));
+    }
+}
+
+/// Whether the kernel shows a device of our serial number with its strings and its interface.
+pub fn is_plugged_in() -> bool {
+    let Ok(entries) = fs::read_dir("/sys/bus/usb/devices") else { return false };
+    let serial = |path: PathBuf| fs::read_to_string(path.join("serial")).unwrap_or_default();
+    entries.flatten().any(|entry| serial(entry.path()).trim() == "G1" && entry.path().join("bConfigurationValue").exists())
+}
+
+/// What a process has used and holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Account {
+    /// Time that its real-time thread ran, in user and kernel mode \[ns\].
+    pub ran_ns: u64,
+    /// Open files.
+    pub files: usize,
+    /// Memory held [kB].
+    pub memory_kb: u64,
+    /// Time since boot \[s\].
+    pub uptime_s: f64,
+}
+
+/// The host.
+pub struct Host {
+    child: Child,
+    seconds: f64,
+}
+
+impl Host {
+    /// Starts a session; `device` may be followed by further arguments.
+    pub fn start(model: &Path, device: &str, seconds: f64, record: &Path) -> Result<Self> {
+        let _ = fs::remove_file(record);
+        let _ = fs::remove_file(black_box(record));
+        let said = File::create(record.with_extension("said"))?;
+        let mut command = Command::new("/bin/haptor-host");
+        command.arg(model).arg("--device").args(device.split(' ')).args(["--rt", "enforce", "--seconds", &seconds.to_string()]);
+        let child = command.arg("--record").arg(record).stdin(Stdio::null()).stdout(Stdio::null()).stderr(said).spawn()?;
+        Ok(Self { child, seconds })
+    }
+
+    /// Lets time pass; an error when the host ends meanwhile.
+    pub fn run_for(&mut self, seconds: f64) -> Result<()> {
+        thread::sleep(Duration::from_secs_f64(seconds.max(0.0)));
+        match self.child.try_wait()? {
+            Some(status) => bail!("the host has ended early: {status}"),
+            None => Ok(()),
+        }
+    }
+
+    /// What it has used so far.
+    pub fn account(&self) -> Result<Account> {
+        let id = self.child.id();
+        let status = fs::read_to_string(format!("/proc/{id}/status"))?;
+        let memory = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).and_then(|rest| rest.split_whitespace().next());
+        let uptime = fs::read_to_string("/proc/uptime")?;
+        Ok(Account {
+            ran_ns: ran_ns(id)?,
+            files: files(id)?,
+            memory_kb: memory.context("VmRSS")?.parse()?,
+            uptime_s: uptime.split(' ').next().context("uptime")?.parse()?,
+        })
+    }
+
+    /// Waits for its end; an error when it hangs.
+    pub fn end(mut self) -> Result<i32> {
+        let begin = Instant::now();
+        let patience = Duration::from_secs_f64(self.seconds) + PATIENCE;
+        loop {
+            if let Some(status) = self.child.try_wait()? {
+                return status.code().context("the host was killed");
+            }
+            if begin.elapsed() > patience {
+                self.child.kill()?;
+                bail!("the host hangs");
+            }
+            thread::sleep(LOOK);
+        }
+    }
+}
+
+/// Where the black box of a recording lies.
+pub fn black_box(record: &Path) -> PathBuf {
+    let mut name = record.as_os_str().to_owned();
+    name.push(".blackbox");
+    name.into()
+}
+
+/// What a host said on standard error.
+pub fn said(record: &Path) -> String {
+    fs::read_to_string(record.with_extension("said")).unwrap_or_default()
+}
+
+fn files(id: u32) -> Result<usize> {
+    Ok(fs::read_dir(format!("/proc/{id}/fd"))?.count())
+}
+
+fn ran_ns(id: u32) -> Result<u64> {
+    for entry in fs::read_dir(format!("/proc/{id}/task"))?.flatten() {
+        if fs::read_to_string(entry.path().join("comm"))?.trim() == "real-time" {
+            let mut text = String::new();
+            File::open(entry.path().join("schedstat"))?.read_to_string(&mut text)?;
+            return Ok(text.split(' ').next().context("schedstat")?.parse()?);
+        }
+    }
+    bail!("no real-time thread")
+}
+
+fn until(what: &str, mut done: impl FnMut() -> Result<bool>) -> Result<()> {
+    let begin = Instant::now();
+    while !done()? {
+        if begin.elapsed() > PATIENCE {
+            bail!("waited in vain until {what}");
+        }
+        thread::sleep(LOOK);
+    }
+    Ok(())
+}

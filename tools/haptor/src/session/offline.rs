@@ -1,0 +1,90 @@
+//! A recording without a device: the poses of a trajectory, answered by the engine that the host would run. The same bytes every time.
+
+use haptor_contact::Vec3;
+use haptor_engine::Scene;
+use haptor_engine::replay::{Follower, Step, answered};
+use haptor_wire::frame::encode_stream;
+use haptor_wire::recording::{Chunk, FRAME_MAX};
+use haptor_wire::schema::TOOL_TABLE;
+use haptor_wire::{PROTOCOL_VERSION, Place, Record, RecordHeader, TOOL_SCHEMA_HASH, TickRecord, Tuning, scene_file};
+
+use crate::trajectory::Row;
+
+/// How far a row may lie from its tick: a hundredth of one.
+const OFF_TICK: f64 = 0.01;
+
+/// A recording that grows.
+struct Sheet {
+    frames: Vec<u8>,
+}
+
+impl Sheet {
+    fn add(&mut self, record: &Record<'_>) -> Result<(), String> {
+        let mut frame = [0; FRAME_MAX];
+        let length = encode_stream(record, &mut frame).map_err(|error| error.to_string())?;
+        self.frames.extend_from_slice(&frame[..length]);
+        Ok(())
+    }
+}
+
+/// Records a trajectory on the file of a baked scene.
+///
+/// # Errors
+/// In words, what of scene or trajectory cannot be recorded.
+pub fn record(scene: &[u8], rows: &[Row], rate_hz: u32) -> Result<Vec<u8>, String> {
+    let header = header(scene, rate_hz)?;
+    let read = Scene::read(scene).map_err(|error| error.to_string())?;
+    let mut engine = read.engine().map_err(|error| error.to_string())?;
+    let mut follower = Follower::new(&header);
+    let mut sheet = Sheet { frames: Vec::new() };
+    sheet.add(&Record::Header(header))?;
+    Chunk::of(TOOL_TABLE.as_bytes()).try_for_each(|chunk| sheet.add(&Record::Schema(chunk)))?;
+    Chunk::of(scene).try_for_each(|chunk| sheet.add(&Record::Scene(chunk)))?;
+    // a trajectory's poses are in the world
+    let place = Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    for record in [Record::Tuning(Tuning::of(read.setup().baked())), Record::Place(place), Record::Rest] {
+        engine.with(|engine| follower.take(engine, &record));
+        sheet.add(&record)?;
+    }
+    for row in rows {
+        let asked = tick(row, rows, rate_hz)?;
+        match engine.with(|engine| follower.take(engine, &Record::Tick(asked))) {
+            Step::Felt(felt, _) => sheet.add(&Record::Tick(answered(&asked, &felt)))?,
+            Step::Noted | Step::Idle => return Err(format!("the pose at t = {} is none", row.written_t)),
+        }
+    }
+    Ok(sheet.frames)
+}
+
+fn header(scene: &[u8], rate_hz: u32) -> Result<RecordHeader, String> {
+    Ok(RecordHeader {
+        version: PROTOCOL_VERSION,
+        schema: TOOL_SCHEMA_HASH,
+        rate_hz,
+        scene_digest: scene_file::digest(scene),
+        // no clock: the same bytes every time
+        start_unix_s: 0,
+        schema_bytes: TOOL_TABLE.len() as u32,
+        scene_bytes: u32::try_from(scene.len()).map_err(|_| "the baked scene is longer than 4 GB")?,
+    })
+}
+
+/// What goes into a tick.
+fn tick(row: &Row, rows: &[Row], rate_hz: u32) -> Result<TickRecord, String> {
+    let since = row.t - rows.first().map_or(0.0, |first| first.t);
+    let at = since * f64::from(rate_hz);
+    if (at - at.round()).abs() > OFF_TICK {
+        return Err(format!(
+            "t = {} lies between two ticks at {rate_hz} Hz; give the trajectory's own rate with --rate, or space its rows evenly",
+            row.written_t
+        ));
+    }
+    let (Vec3 { x, y, z }, q) = (row.position, row.rotation);
+    Ok(TickRecord {
+        tick: at.round() as u64,
+        t_us: (since * 1.0e6).round() as u64,
+        position: [x, y, z],
+        rotation: [q.w, q.x, q.y, q.z],
+        ..TickRecord::default()
+    })
+}

@@ -1,0 +1,73 @@
+//! What the guest told, as tables.
+
+use std::fmt::Write;
+
+/// Lines of the guest by kind.
+#[derive(Debug, Default)]
+pub struct Report {
+    sessions: Vec<String>,
+    drills: Vec<String>,
+    failed: Vec<String>,
+    ended: bool,
+}
+
+const SESSIONS: &str = "\
+| device | ticks | late | reports lost | round trip p50 / p99 / max \\[us\\] | wake-up | step of the core | instructions of the real-time thread a tick \\[1000\\] | peak force \\[N\\] |
+|---|---|---|---|---|---|---|---|---|
+";
+
+const DRILLS: &str = "\
+| drill | fault | detected after \\[ticks\\] | wrench zero after \\[ticks\\] | forces back |
+|---|---|---|---|---|
+";
+
+impl Report {
+    /// Takes a line of the console.
+    pub fn take(&mut self, line: &str) {
+        match line.split_once('|') {
+            Some(("@session", row)) => self.sessions.push(row.to_owned()),
+            Some(("@drill", row)) => self.drills.push(row.to_owned()),
+            Some(("@failed", what)) => self.failed.push(what.to_owned()),
+            _ => self.ended |= line == "@end",
+        }
+    }
+
+    /// Everything was as it should be, to the end.
+    pub const fn is_good(&self) -> bool {
+        self.failed.is_empty() && self.ended
+    }
+
+    /// What was not.
+    pub fn failures(&self) -> String {
+        let cut = if self.ended { "" } else { "\nthe guest did not reach its end" };
+        format!("{} failed:\n{}{cut}", self.failed.len(), self.failed.join("\n"))
+    }
+
+    /// The tables.
+    pub fn tables(&self) -> String {
+        let mut text = String::new();
+        for (head, rows) in [(SESSIONS, &self.sessions), (DRILLS, &self.drills)] {
+            if !rows.is_empty() {
+                text += head;
+                rows.iter().for_each(|row| _ = writeln!(text, "| {} |", row.replace('|', " | ")));
+                text.push('\n');
+            }
+        }
+        text
+    }
+
+    /// The document that is kept.
+    pub fn document(&self, kernel: &str, seconds: f64) -> String {
+        format!(
+            "# Sessions and drills over USB in a real-time guest\n\n\
+             Written by `cargo xtask guest --drills --seconds {seconds} --accept`. Debian's kernel {kernel} in QEMU with one processor; every instruction takes \
+             2 ns, so a\ntime is a count of instructions and says nothing of hardware. The simulated device is plugged into the kernel's virtual USB, which knows no \
+             polling\nintervals: interrupt and bulk endpoints cost the same there. `usb` = interrupt endpoints, `usb-bulk` = bulk ones. The round trip is from a wrench \
+             to the\nreport that echoes it; the device reports once a millisecond.\n\n\
+             A tick is 1 ms. Every drill begins while the hand presses, 1.1 s after forces were armed; ticks count from there. For every fault the command \
+             checks:\nlatched under that name, zero within the stated ticks and until the hand has come out, opened again only under 0.1 N, black box whole and ending with \
+             the\nfault, no file left open, no memory kept, nothing hangs.\n\n{}",
+            self.tables().trim_end().to_owned() + "\n"
+        )
+    }
+}
