@@ -16,8 +16,10 @@ use haptor_wire::{
     UploadChunk, VIEWER_SCHEMA_HASH, ViewerHello, What, Wish, encode_stream, scene_file,
 };
 
+use crate::alloc::counted;
 use crate::host_rig::{Rig, ball_on_cube, length};
-use crate::viewer_rig::{Served, TestViewer, file};
+use crate::viewer::{TestViewer, file};
+use crate::viewer_rig::Served;
 
 fn snapshot(message: &ToViewer) -> Option<Snapshot> {
     match message {
@@ -571,6 +573,28 @@ fn a_slow_reader_loses_snapshots_which_are_counted_and_nobody_else_does() {
     assert_eq!((told.sent, told.missed), (seen, 0), "what was sent came, and the server kept up");
     assert!(told.sent + told.dropped >= shown, "every tick is accounted for");
     let rig = served.end();
+    assert!(rig.ticks == alone("press-twist-slide", rig.ticks.len()), "the session is the same, tick by tick");
+}
+
+/// Attach, look, leave: every twenty ticks, two hundred times.
+#[test]
+fn viewers_that_come_and_go_change_nothing_and_cost_no_call_to_the_allocator() {
+    let mut served = Served::new("press-twist-slide");
+    served.press();
+    for round in 0..200 {
+        let mut viewer = served.viewer();
+        viewer.subscribe(1 + round % 3, 0, 1);
+        for _ in 0..20 {
+            let ((), calls) = counted(|| served.rig.control.tick());
+            assert_eq!(calls, 0, "round {round}");
+            served.rig.collect();
+        }
+        if round % 2 == 0 {
+            viewer.wait_for("a snapshot", snapshot);
+        }
+    }
+    let rig = served.end();
+    assert_eq!((rig.summary().fault, rig.summary().late), (None, 0));
     assert!(rig.ticks == alone("press-twist-slide", rig.ticks.len()), "the session is the same, tick by tick");
 }
 

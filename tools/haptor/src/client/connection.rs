@@ -1,15 +1,15 @@
 //! A connection that has been let in: what the host says, in order, and what it is asked.
 
 use std::collections::VecDeque;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use haptor_wire::{
-    Ask, FromViewer, RefusalCause, StreamDecoder, Subscription, ToViewer, ViewerHello, Welcome, Wish, check_viewer_version,
-    encode_stream, stream_bound,
+    Ask, FromViewer, Limits, RefusalCause, StreamDecoder, Subscription, ToViewer, ViewerHello, Welcome, Wish,
+    check_viewer_version, encode_stream, stream_bound,
 };
 
 use super::address::{Address, Socket, Token};
@@ -57,15 +57,10 @@ impl Connection {
         let (send, heard) = mpsc::sync_channel(WAITING);
         let pings = Arc::clone(&socket);
         thread::Builder::new().name("viewer link".into()).spawn(move || listen(reader, &pings, &send)).map_err(failed)?;
-        let nobody = ViewerHello::new(token);
-        let welcome = Welcome {
-            version: 0,
-            schema: 0,
-            rate_hz: 0,
-            limits: haptor_wire::Limits { viewers: 0, model_bytes: 0, rest_points: 0, idle_ms: 0 },
-        };
-        let mut connection = Self { socket, heard, kept: VecDeque::new(), welcome, numbers: 0 };
-        connection.say(&FromViewer::Hello(nobody))?;
+        let limits = Limits { viewers: 0, model_bytes: 0, rest_points: 0, idle_ms: 0 };
+        let unsaid = Welcome { version: 0, schema: 0, rate_hz: 0, limits };
+        let mut connection = Self { socket, heard, kept: VecDeque::new(), welcome: unsaid, numbers: 0 };
+        connection.say(&FromViewer::Hello(ViewerHello::new(token)))?;
         connection.welcome = connection.until(WELCOME_WITHIN, |message| match message {
             ToViewer::Welcome(welcome) => Some(*welcome),
             _ => None,
@@ -168,7 +163,7 @@ impl Drop for Connection {
 pub(super) fn answer(message: &ToViewer, number: u32) -> Option<Result<(), ClientError>> {
     match message {
         ToViewer::Done(done) if *done == number => Some(Ok(())),
-        ToViewer::Denied(denied) if denied.number == number => Some(Err(ClientError::Denied(denied.clone()))),
+        ToViewer::Denied(denied) if denied.number == number => Some(Err(ClientError::Denied(Box::new(denied.clone())))),
         _ => None,
     }
 }
@@ -183,8 +178,6 @@ fn say(socket: &Mutex<Socket>, message: &FromViewer) -> Result<(), ClientError> 
 
 /// Reads until the connection ends or nobody listens, and pings meanwhile.
 fn listen(mut socket: Socket, pings: &Mutex<Socket>, send: &SyncSender<ToViewer>) {
-    use std::io::Read;
-
     let (mut decoder, mut bytes) = (StreamDecoder::<FRAME_MAX>::new(), vec![0; 1 << 16]);
     let mut pinged = Instant::now();
     loop {
@@ -198,8 +191,11 @@ fn listen(mut socket: Socket, pings: &Mutex<Socket>, send: &SyncSender<ToViewer>
             match decoder.push(byte) {
                 // the answers to our own pings are no news
                 None | Some(ToViewer::Pong(0)) => {}
-                Some(message) if send.send(message).is_err() => return,
-                Some(_) => {}
+                Some(message) => {
+                    if send.send(message).is_err() {
+                        return;
+                    }
+                }
             }
         }
         if pinged.elapsed() > PING_EVERY {

@@ -26,7 +26,7 @@ pub enum ClientError {
     Closed,
     /// What was asked for was not done.
     #[error("the host did not do it: {0}")]
-    Denied(Denied),
+    Denied(Box<Denied>),
     /// Bytes or points were not taken.
     #[error("the host did not take it: {}", .0.name())]
     NotTaken(Denial),

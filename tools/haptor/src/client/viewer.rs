@@ -60,6 +60,7 @@ impl Viewer {
     ///
     /// # Errors
     /// [`ClientError::NotTaken`] when the host does not take them.
+    #[allow(dead_code, reason = "for the window, which draws the surface")]
     pub fn watch_points(&mut self, points: Vec<[f32; 3]>) -> Result<(), ClientError> {
         self.points = points;
         let Some(connection) = &mut self.connection else { return Ok(()) };
@@ -73,6 +74,7 @@ impl Viewer {
     }
 
     /// Asks for something; the answer comes among the news. `None` while there is no connection.
+    #[allow(dead_code, reason = "for the window, which has buttons")]
     pub fn ask(&mut self, what: Wish) -> Option<u32> {
         let asked = self.connection.as_mut()?.ask(what);
         match asked {
