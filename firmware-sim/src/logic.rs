@@ -93,7 +93,12 @@ const OUTBOX: usize = 8;
 impl Outbox {
     /// Empties it; yields what was in it.
     pub fn take(&mut self) -> impl Iterator<Item = FromDevice> + use<> {
-        core::mem::take(&mut self.messages).into_iter()
+        let (messages, mut at) = (core::mem::take(&mut self.messages), 0);
+        // the list's own iterator has a panic path, and an image of firmware may have none
+        core::iter::from_fn(move || {
+            at += 1;
+            messages.get(at - 1).copied()
+        })
     }
 
     /// Messages that did not fit, since the start.

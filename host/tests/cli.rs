@@ -121,7 +121,7 @@ fn bad_usage_and_bad_input_exit_2_and_write_nothing() {
 fn a_device_that_is_not_there_exits_1_and_is_named() {
     let folder = Folder::new("absent");
     let (model, record) = (folder.model(Tier::Point), folder.path("s.rec"));
-    for device in ["serial:/dev/no-such-port", "tcp:127.0.0.1:1"] {
+    for device in ["serial:/dev/no-such-port", "tcp:127.0.0.1:1", "usb:no-such-number", "usb-bulk:no-such-number"] {
         let output = host(&[&model, "--device", device, "--rt", "ignore", "--record", &record]);
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).contains(&format!("cannot open {device}: ")), "{}", stderr(&output));

@@ -1,10 +1,8 @@
 //! The drills: what is done to a session in which the hand presses, and what must come of it.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-use std::{fs, thread};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use haptor_host::rt::stale::{FADE_TICKS, HOLD_TICKS};
 use haptor_wire::HostFault;
 
@@ -12,10 +10,7 @@ use crate::judge::{Seen, black_box_of, fault};
 use crate::programs::{Host, Sim, said};
 use crate::recording::{Recording, length};
 
-/// When the drill begins, in seconds after forces are armed: the hand has come to rest in the object.
-const AT_S: f64 = 1.1;
-
-/// The same in ticks of the host's session, which begins with the first report in force mode.
+/// When the drill begins, in ticks of the host's session, which begins with the first report in force mode: the hand has come to rest in the object.
 const AT_TICK: u64 = 1_100;
 
 /// Length of a drilled session \[s\]: the hand comes out at 2.0 s and presses anew from 2.8 s on.
@@ -72,15 +67,15 @@ const DRILLS: [(&str, &str, Expected); 19] = [
     ("a device that renders no torque", "", Nothing { bruised: false }),
 ];
 
-/// Runs all of them, and the one with two hosts.
+/// Runs all of them.
 pub fn run(model: &Path) {
     for (name, drill, expected) in DRILLS {
         report(name, one(model, drill, expected));
     }
-    report("a second host on the same device", second_host(model));
 }
 
-fn report(name: &str, row: Result<String>) {
+/// Prints a row, or what went wrong in its place.
+pub fn report(name: &str, row: Result<String>) {
     match row {
         Ok(row) => println!("@drill|{name}|{row}"),
         Err(error) => println!("@failed|{name}: {error:#}"),
@@ -147,23 +142,4 @@ fn unharmed(recording: &Recording, code: i32, bruised: bool) -> Result<String> {
     let counts =
         format!("{} lost, {} out of order, {} rejected, {held} held", summary.lost, summary.out_of_order, summary.rejected);
     Ok(format!("none: {counts}|-|-|never stopped"))
-}
-
-/// A second host is refused with the reason, and the first feels nothing of it.
-fn second_host(model: &Path) -> Result<String> {
-    let _sim = Sim::start(&["--script", "press"])?;
-    let (first_file, second_file) = (PathBuf::from("/tmp/first.haptor"), PathBuf::from("/tmp/second.haptor"));
-    let mut first = Host::start(model, "usb:G1", SECONDS, &first_file)?;
-    first.run_for(AT_S)?;
-    let second = Host::start(model, "usb", 1.0, &second_file)?;
-    thread::sleep(Duration::from_millis(100));
-    let (second, first) = (second.end()?, first.end()?);
-    let said = said(&second_file);
-    ensure!(second == 1 && said.contains("another program has it"), "the second ended with {second}: {said}");
-    if fs::exists(&second_file)? {
-        bail!("the second left a recording");
-    }
-    let summary = Recording::read(&first_file)?.summary.context("the recording has no end")?;
-    ensure!(first == 0 && summary.fault.is_none(), "the first ended with {first}, {:?}", summary.fault);
-    Ok("none in the first; the second is refused: another program has it|-|-|never stopped".to_owned())
 }

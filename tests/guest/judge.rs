@@ -63,3 +63,53 @@ pub fn black_box_of(recording: &Path, fault: &FaultRecord) -> Result<()> {
     ensure!(until.iter().any(|tick| length(tick.force) > PRESSING), "the press is not in the black box");
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptor_wire::{HostFault, Summary, TickRecord};
+
+    /// Pressed until the fault in tick 1102, closed to 1499, open from then on, pressed anew from 1600 on.
+    fn session(change: impl Fn(&mut Recording)) -> Recording {
+        let fault = FaultRecord { cause: HostFault::LinkLost, tick: 1_102, after_ticks: 0 };
+        let ticks = (0..2_000).map(|tick| {
+            let closed = (1_102..1_500).contains(&tick);
+            let force = if closed || (1_500..1_600).contains(&tick) { 0.0 } else { 5.0 };
+            let (force, flags) = ([0.0, 0.0, force], if closed { flags::CLOSED } else { 0 });
+            TickRecord { tick, force, flags, ..TickRecord::default() }
+        });
+        let summary = Summary { fault: Some(fault.cause), ..Summary::default() };
+        let mut recording =
+            Recording { ticks: ticks.collect(), faults: vec![fault], summary: Some(summary), ..Recording::default() };
+        change(&mut recording);
+        recording
+    }
+
+    #[test]
+    fn a_session_that_obeys_the_rules_is_measured() {
+        let seen = fault(&session(|_| {}), 1_100).unwrap();
+        assert_eq!((seen.detected, seen.zero, seen.recovered), (2, 2, Some(400)));
+        let never_back = session(|recording| recording.ticks.truncate(1_550));
+        assert_eq!(fault(&never_back, 1_100).unwrap().recovered, None);
+    }
+
+    /// What is done to a good session.
+    type Change = fn(&mut Recording);
+
+    #[test]
+    fn each_broken_rule_is_named() {
+        let table: [(&str, Change); 7] = [
+            ("no fault", |r| r.faults.clear()),
+            ("before the drill", |r| r.faults[0].tick = 1_000),
+            ("latched is", |r| r.summary = Some(Summary::default())),
+            ("has no end", |r| r.summary = None),
+            ("did not press", |r| r.ticks.iter_mut().for_each(|tick| tick.force = [0.0; 3])),
+            ("while closed", |r| r.ticks[1_300].torque = [0.0, 0.01, 0.0]),
+            ("opened at 2 N", |r| r.ticks[1_500].contact_force = [0.0, 2.0, 0.0]),
+        ];
+        for (part, change) in table {
+            let error = fault(&session(change), 1_100).unwrap_err().to_string();
+            assert!(error.contains(part), "{part}: {error}");
+        }
+    }
+}

@@ -7,6 +7,7 @@
 
 mod drills;
 mod judge;
+mod openings;
 mod programs;
 mod recording;
 
@@ -21,11 +22,18 @@ use haptor_wire::{
     Quantiles, Tier,
 };
 
-use programs::{Host, Sim, instructions};
+use programs::{Host, Options, Sim, instructions};
 use recording::Recording;
 
 /// Share of a session after which the real-time thread's account is opened; its end is a second before the session's.
 const SETTLED_S: f64 = 0.5;
+
+/// What libusb allocates in a tick: the kernel's description of each of two transfers. A whole session's rest is spread over the ticks, hence the
+/// little more.
+const ALLOCATIONS_MAX: f64 = 2.05;
+
+/// The counter of allocations, see `malloc_count.c`.
+const COUNTER: &str = "/lib/malloc_count.so";
 
 fn main() -> Result<()> {
     let mut args = env::args().skip(1);
@@ -39,8 +47,14 @@ fn main() -> Result<()> {
             println!("@failed|{device}: {error:#}");
         }
     }
+    match allocations(&model) {
+        Ok(per_tick) if per_tick <= ALLOCATIONS_MAX => println!("@allocations|{per_tick:.2}"),
+        Ok(per_tick) => println!("@failed|{per_tick} allocations a tick in C, {ALLOCATIONS_MAX} are known of libusb"),
+        Err(error) => println!("@failed|counting allocations: {error:#}"),
+    }
     if args.next().is_some() {
         drills::run(&model);
+        openings::run(&model);
     }
     println!("@end");
     Ok(())
@@ -77,6 +91,21 @@ fn session(model: &Path, device: &str, seconds: f64) -> Result<()> {
     ensure!(summary.rt.fifo && summary.rt.locked && summary.rt.pinned, "not in real time: {:?}", summary.rt);
     ensure!((end.files, end.memory_kb) == (begin.files, begin.memory_kb), "it grows: {begin:?}, {end:?}");
     Ok(())
+}
+
+/// Allocations in C by the real-time thread in a tick: what a longer session has more of than a shorter one.
+fn allocations(model: &Path) -> Result<f64> {
+    let _sim = Sim::start(&["--script", "press"])?;
+    let file = PathBuf::from("/tmp/counted.haptor");
+    let counted = Options { preload: Some(COUNTER), ..Options::default() };
+    let count = |seconds: f64| -> Result<f64> {
+        let code = Host::start_with(model, "usb:G1", seconds, &file, counted)?.end()?;
+        let said = programs::said(&file);
+        let count = said.lines().find_map(|line| line.strip_prefix("allocations real-time "));
+        ensure!(code == 0, "ended with {code}: {said}");
+        Ok(count.with_context(|| format!("no count in {said}"))?.parse()?)
+    };
+    Ok((count(2.0)? - count(1.0)?) / 1000.0)
 }
 
 /// The ball on the rubber cube, the device so that the ball hovers over the middle of the top.

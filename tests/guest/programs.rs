@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread;
@@ -27,19 +28,25 @@ pub const fn instructions(ran_ns: u64) -> u64 {
 pub struct Sim {
     child: Child,
     stdin: Option<ChildStdin>,
+    serial: &'static str,
 }
 
 impl Sim {
     /// Plugs it in under the serial number `G1`.
     pub fn start(args: &[&str]) -> Result<Self> {
+        Self::start_as("G1", args)
+    }
+
+    /// The same under another number.
+    pub fn start_as(serial: &'static str, args: &[&str]) -> Result<Self> {
         let mut command = Command::new("/bin/haptor-firmware-sim");
-        command.args(["--serve", "vhci", "--serial", "G1", "--until-stdin-closes"]).args(args);
+        command.args(["--serve", "vhci", "--serial", serial, "--until-stdin-closes"]).args(args);
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn()?;
         let mut line = String::new();
         BufReader::new(child.stdout.take().context("its standard output")?).read_line(&mut line)?;
         let stdin = child.stdin.take();
-        let sim = Self { child, stdin };
-        until("the kernel sees the device", || Ok(is_plugged_in()))?;
+        let sim = Self { child, stdin, serial };
+        until("the kernel sees the device", || Ok(is_plugged_in(serial)))?;
         Ok(sim)
     }
 
@@ -57,15 +64,15 @@ impl Drop for Sim {
             println!("@failed|the simulated device hangs");
             let _ = self.child.kill();
         }
-        let _ = until("the kernel lets go of the device", || Ok(!is_plugged_in()));
+        let _ = until("the kernel lets go of the device", || Ok(!is_plugged_in(self.serial)));
     }
 }
 
-/// Whether the kernel shows a device of our serial number with its strings and its interface.
-pub fn is_plugged_in() -> bool {
+/// Whether the kernel shows a device of this serial number with its strings and its interface.
+fn is_plugged_in(serial: &str) -> bool {
     let Ok(entries) = fs::read_dir("/sys/bus/usb/devices") else { return false };
-    let serial = |path: PathBuf| fs::read_to_string(path.join("serial")).unwrap_or_default();
-    entries.flatten().any(|entry| serial(entry.path()).trim() == "G1" && entry.path().join("bConfigurationValue").exists())
+    let told = |path: PathBuf| fs::read_to_string(path.join("serial")).unwrap_or_default();
+    entries.flatten().any(|entry| told(entry.path()).trim() == serial && entry.path().join("bConfigurationValue").exists())
 }
 
 /// What a process has used and holds.
@@ -81,6 +88,18 @@ pub struct Account {
     pub uptime_s: f64,
 }
 
+/// A user without rights.
+pub const NOBODY: u32 = 65_534;
+
+/// How a host is started.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options<'a> {
+    /// A library loaded before all others.
+    pub preload: Option<&'a str>,
+    /// As which user.
+    pub user: Option<u32>,
+}
+
 /// The host.
 pub struct Host {
     child: Child,
@@ -90,11 +109,22 @@ pub struct Host {
 impl Host {
     /// Starts a session; `device` may be followed by further arguments.
     pub fn start(model: &Path, device: &str, seconds: f64, record: &Path) -> Result<Self> {
+        Self::start_with(model, device, seconds, record, Options::default())
+    }
+
+    /// The same with options.
+    pub fn start_with(model: &Path, device: &str, seconds: f64, record: &Path, options: Options<'_>) -> Result<Self> {
         let _ = fs::remove_file(record);
         let _ = fs::remove_file(black_box(record));
         let said = File::create(record.with_extension("said"))?;
         let mut command = Command::new("/bin/haptor-host");
         command.arg(model).arg("--device").args(device.split(' ')).args(["--rt", "enforce", "--seconds", &seconds.to_string()]);
+        if let Some(library) = options.preload {
+            command.env("LD_PRELOAD", library);
+        }
+        if let Some(user) = options.user {
+            command.uid(user).gid(user);
+        }
         let child = command.arg("--record").arg(record).stdin(Stdio::null()).stdout(Stdio::null()).stderr(said).spawn()?;
         Ok(Self { child, seconds })
     }

@@ -13,6 +13,8 @@ pub struct Recording {
     pub ticks: Vec<TickRecord>,
     pub faults: Vec<FaultRecord>,
     pub summary: Option<Summary>,
+    /// Serial number that the device told.
+    pub serial: String,
 }
 
 impl Recording {
@@ -23,6 +25,10 @@ impl Recording {
         let mut damaged = 0;
         for record in RecordReader::new(&mut bytes) {
             match record {
+                Ok(Record::Device(device)) => {
+                    let told = device.device_serial.into_iter().take_while(|&byte| byte != 0);
+                    all.serial = told.map(char::from).collect();
+                }
                 Ok(Record::Tick(tick)) => all.ticks.push(tick),
                 Ok(Record::Fault(fault)) => all.faults.push(fault),
                 Ok(Record::End(summary)) => all.summary = Some(summary),

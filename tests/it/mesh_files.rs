@@ -96,7 +96,7 @@ fn a_solid_is_told_in_every_format_and_unit() {
     }
     let (code, out, told) = folder.run(&["mesh", "check", "egg.stl"]);
     assert!(code == 0 && out.contains("a solid"), "{out}");
-    assert!(told.contains("60.000 m across: if the file is in millimetres, give --unit mm (0.060 m)"), "{told}");
+    assert!(told.contains("egg.stl: is 60.000 m across: if the file is in millimetres, scale 0.001 makes it 0.060 m"), "{told}");
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn what_is_wrong_is_a_problem_and_what_a_scene_bears_is_a_warning() {
 
     folder.save("compass.ply", &Model::Compass.mesh());
     let (code, _, told) = folder.run(&["mesh", "check", "compass.ply"]);
-    assert!(code == 0 && told.contains("compass.ply: not convex") && told.contains("% of its diagonal"), "{told}");
+    assert!(code == 0 && told.contains("compass.ply: is not convex") && told.contains("% of its diagonal"), "{told}");
     for (share, expected) in [(None, 1), (Some("0.01"), 1), (Some("0.9"), 0), (Some("2"), 2)] {
         let args = ["mesh", "check", "compass.ply", "--require-convex"].into_iter().chain(share);
         let (code, _, told) = folder.run(&args.collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! What the process asks of the system so that the loop runs when it should; the one file with `unsafe`.
+//! What the process asks of the system so that the loop runs when it should; one of two files with `unsafe`.
 //!
 //! Asked for, in this order: the real-time class (`SCHED_FIFO`), locked memory, a CPU of its own, no deep CPU sleep. Under
 //! [`RtPolicy::Enforce`] a refusal of the first three ends the start with the missing right and what to do about it; under

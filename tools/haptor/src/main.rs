@@ -12,6 +12,7 @@ mod command;
 mod config;
 mod doctor;
 mod failure;
+mod looks;
 mod motion;
 mod output;
 mod plot;

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use haptor_contact::surface::Surface;
-use haptor_contact::{ObjectShape, Patch, Vec3};
+use haptor_contact::{ObjectShape, Vec3};
 use haptor_mesh::{DVec3, Mesh, tessellate};
 
 /// Fewest vertices of a surface.
@@ -48,16 +48,16 @@ impl std::str::FromStr for Request {
     }
 }
 
-/// The undeformed surface of `object` in world, finer near the contacts `patches`; `skin` is a mesh object's own.
-pub fn at_rest(object: &ObjectShape<'_>, skin: Option<&Mesh>, patches: &[Patch]) -> Mesh {
+/// The undeformed surface of `object` in world, of at least `vertices`, finer near contacts: each has a place and a radius \[m\]. `skin` is a mesh object's
+/// own.
+pub fn at_rest(object: &ObjectShape<'_>, skin: Option<&Mesh>, near: &[(DVec3, f64)], vertices: usize) -> Mesh {
     let coarse = skin.map_or_else(|| coarse(object), Mesh::clone);
-    let near: Vec<(DVec3, f64)> = patches.iter().map(|p| (wide(p.at_rest()), f64::from(p.footprint.radius))).collect();
     // 2.4 vertices per square of the longest edge on average; less is asked for until there are enough
-    let mut longest = (coarse.area() / MIN_VERTICES as f64).sqrt() * 2.0;
+    let mut longest = (coarse.area() / vertices as f64).sqrt() * 2.0;
     loop {
         let edge = |p: DVec3| near.iter().fold(longest, |edge, &(centre, a)| edge.min(edge_near((p - centre).length(), a)));
         let mesh = refined(coarse.clone(), edge, |p| onto(object, p));
-        if mesh.vertices.len() >= MIN_VERTICES {
+        if mesh.vertices.len() >= vertices {
             return mesh;
         }
         longest *= 0.8;
@@ -146,7 +146,8 @@ fn divide([a, b, c]: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]
 
 /// The surface at rest and how far each of its vertices has moved \[m\].
 pub fn deformed(surface: &Surface<'_>, skin: Option<&Mesh>) -> (Mesh, Vec<Vec3>) {
-    let mesh = at_rest(&surface.model.object(), skin, surface.patches);
+    let near: Vec<_> = surface.patches.iter().map(|p| (wide(p.at_rest()), f64::from(p.footprint.radius))).collect();
+    let mesh = at_rest(&surface.model.object(), skin, &near, MIN_VERTICES);
     let rest: Vec<Vec3> = mesh.vertices.iter().map(|&v| narrow(v)).collect();
     let mut moved = vec![Vec3::ZERO; rest.len()];
     surface.update(&rest, &mut moved);
@@ -204,9 +205,8 @@ mod tests {
             ObjectShape::HalfSpace,
         ];
         for object in shapes {
-            let mut patch = Patch::born(0, 0, 0, Vec3::Z * object.height(), Vec3::Z);
-            patch.footprint.radius = 0.004;
-            let (free, pressed) = (at_rest(&object, None, &[]), at_rest(&object, None, &[patch]));
+            let contact = [(DVec3::Z * f64::from(object.height()), 0.004)];
+            let (free, pressed) = (at_rest(&object, None, &[], MIN_VERTICES), at_rest(&object, None, &contact, MIN_VERTICES));
             let near = |mesh: &Mesh| {
                 mesh.vertices.iter().filter(|v| (**v - DVec3::Z * f64::from(object.height())).length() < 0.004).count()
             };

@@ -54,6 +54,8 @@ pub struct Body {
     pub parts: Vec<Part>,
     /// Inertia of the whole about its mass centre, per mass \[m^2\].
     pub inertia: DMat3,
+    /// Extents of the whole \[m\].
+    pub size: DVec3,
     /// How far it is from convex.
     pub hollow: Hollow,
     /// What was mended, one line for each thing; empty where nothing was.
@@ -136,6 +138,7 @@ pub fn make(loaded: &Mesh, recipe: &Recipe, progress: &mut dyn FnMut(f64)) -> Re
         Role::Probe => about_mass_centre(&mesh),
     };
     let (mesh, _) = framed.ok_or(BodyError::NoVolume)?;
+    let size = extents(&mesh).ok_or(BodyError::NoVolume)?;
     let whole = properties(&mesh).ok_or(BodyError::NoVolume)?;
     let hollow = hollow(&mesh).unwrap_or_default();
     let pieces = if recipe.role == Role::Object || hollow.is_convex() { vec![(mesh, DVec3::ZERO)] } else { convex_parts(&mesh)? };
@@ -145,7 +148,7 @@ pub fn make(loaded: &Mesh, recipe: &Recipe, progress: &mut dyn FnMut(f64)) -> Re
         let baked = bake(&mesh, &recipe.bake, &mut |share| progress((index as f64 + share) / count))?;
         parts.push(Part { mesh, baked, position });
     }
-    Ok(Body { parts, inertia: whole.inertia * (1.0 / whole.volume), hollow, mended })
+    Ok(Body { parts, inertia: whole.inertia * (1.0 / whole.volume), size, hollow, mended })
 }
 
 /// The skin of one solid of a size that can be felt, and what was mended.
@@ -161,12 +164,32 @@ fn solid(loaded: &Mesh, with_mending: bool) -> Result<(Mesh, Vec<String>), BodyE
     if !findings.is_solid() {
         return Err(BodyError::NotSolid { problems: findings.problems(), mended: with_mending });
     }
-    let (low, high) = mesh.bounds().ok_or(BodyError::NoVolume)?;
-    let size = high - low;
+    let size = extents(&mesh).ok_or(BodyError::NoVolume)?;
     if !size.to_array().iter().all(|extent| EXTENTS.contains(extent)) {
         return Err(BodyError::Size(size));
     }
     Ok((mesh, mended))
+}
+
+fn extents(mesh: &Mesh) -> Option<DVec3> {
+    mesh.bounds().map(|(low, high)| high - low)
+}
+
+/// Largest and smallest extent of what a hand presses or holds \[m\]: a mesh beyond them is probably in another unit.
+const HELD: std::ops::RangeInclusive<f64> = 1.0e-3..=2.0;
+
+/// What to try when a mesh of these extents \[m\], read with `scale`, is probably in another unit.
+pub fn unit_hint(size: DVec3, scale: f64) -> Option<String> {
+    let largest = size.max_element();
+    if HELD.contains(&largest) {
+        return None;
+    }
+    let in_millimetres = largest / scale * 1.0e-3;
+    Some(if HELD.contains(&in_millimetres) {
+        format!("is {largest:.3} m across: if the file is in millimetres, scale 0.001 makes it {in_millimetres:.3} m")
+    } else {
+        format!("is {largest:.1e} m across, beyond what a hand holds: check its unit and scale")
+    })
 }
 
 /// The convex parts of a mesh, each about its mass centre, and where that is.
@@ -225,6 +248,13 @@ mod tests {
                 body.parts.iter().for_each(|part| drop(part.baked.shape()));
             }
         }
+    }
+
+    #[test]
+    fn a_size_of_another_unit_is_noticed() {
+        let hint = |largest: f64, scale: f64| unit_hint(DVec3::new(largest, 0.0, 0.0), scale).unwrap_or_default();
+        assert!(hint(60.0, 1.0).contains("scale 0.001 makes it 0.060 m"), "{}", hint(60.0, 1.0));
+        assert!(hint(1.0e-4, 0.001).contains("check its unit") && hint(0.3, 1.0).is_empty(), "{}", hint(1.0e-4, 0.001));
     }
 
     #[test]

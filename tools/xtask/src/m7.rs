@@ -1,5 +1,5 @@
 //! `cargo xtask m7`: the core and the wire for a Cortex-M7 without an operating system, the proof that nothing in them allocates, and a
-//! session of the core on an emulated one, whose bits must be those of a PC.
+//! session of the core on an emulated one, whose bits must be those of a PC; and the simulated device on it, with the real host.
 //!
 //! Two toolchains can do it. Where rustup's target is installed it is used. Where rustup cannot fetch it, Debian's second Rust
 //! (packages rustc-web and rust-web-src) builds `core` from source. Which one was used is said.
@@ -10,6 +10,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
+use crate::m7_device;
 use crate::m7_image;
 use crate::run::{self, ask, cargo, target};
 
@@ -51,7 +52,15 @@ pub fn run() -> Result<ExitCode> {
 
     run::run(toolchain.take(&mut m7_image::build(TARGET, &image)?))?;
     println!("emulated Cortex-M7: {}, as on a PC", m7_image::emulate(TARGET, &image)?);
-    Ok(ExitCode::SUCCESS)
+    m7_device::session(TARGET, &image, &m7_device::Args::default())
+}
+
+/// Only the device: its image, and a session of the real host on it.
+pub fn device(args: &m7_device::Args) -> Result<ExitCode> {
+    let image = target()?.join("m7-image");
+    run::run(toolchain()?.take(&mut m7_image::build(TARGET, &image)?))?;
+    m7_image::have_emulator()?;
+    m7_device::session(TARGET, &image, args)
 }
 
 impl Toolchain {
@@ -120,7 +129,7 @@ fn libraries(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Symbol names stand in a library as they are, so looking for the bytes needs no tool.
-fn no_allocator(libraries: &[PathBuf]) -> Result<()> {
+pub fn no_allocator(libraries: &[PathBuf]) -> Result<()> {
     for path in libraries {
         let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         if bytes.windows(ALLOCATOR.len()).any(|window| window == ALLOCATOR) {

@@ -17,7 +17,7 @@ const FOLDER: &str = "firmware-sim/cortex-m";
 const IMAGE: &str = "haptor-m7";
 
 /// The emulator, and Debian's package of it.
-const EMULATOR: &str = "qemu-system-arm";
+pub const EMULATOR: &str = "qemu-system-arm";
 
 /// Cargo's command for the image; its workspace, its target folder and its linker are its own.
 pub fn build(target: &str, folder: &Path) -> Result<Command> {
@@ -38,13 +38,19 @@ fn linker() -> Result<PathBuf> {
     if linker.is_file() { Ok(linker) } else { bail!("{} is missing: is the toolchain rustup's?", linker.display()) }
 }
 
+/// Installs the emulator where it is missing and that is possible.
+pub fn have_emulator() -> Result<()> {
+    if ask(EMULATOR, &["--version"]).is_none() {
+        run::install(&[EMULATOR])?;
+    }
+    Ok(())
+}
+
 /// Runs the image and yields what it says.
 pub fn emulate(target: &str, folder: &Path) -> Result<String> {
     let image = folder.join(target).join("release").join(IMAGE);
     let size = fs::metadata(&image).with_context(|| format!("{} was not built", image.display()))?.len();
-    if ask(EMULATOR, &["--version"]).is_none() {
-        run::install(&[EMULATOR])?;
-    }
+    have_emulator()?;
     let mut command = Command::new(EMULATOR);
     command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none"]);
     command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(&image);

@@ -10,6 +10,7 @@ mod docs;
 mod golden;
 mod guest;
 mod m7;
+mod m7_device;
 mod m7_image;
 mod pictures;
 mod run;
@@ -35,9 +36,12 @@ enum Cli {
     /// Format, lints with warnings denied, tests, API documentation, documents
     #[command(after_help = "Example: cargo xtask ci")]
     Ci,
-    /// Builds the core and the wire for a Cortex-M7 without an operating system and looks for an allocator
-    #[command(after_help = "Example: cargo xtask m7")]
-    M7,
+    /// Builds the core and the wire for a Cortex-M7 without an operating system, looks for an allocator, and runs core and device on an emulated one
+    #[command(after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250")]
+    M7 {
+        #[command(subcommand)]
+        only: Option<M7>,
+    },
     /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
     #[command(after_help = "Example: cargo xtask counts")]
     Counts,
@@ -79,11 +83,19 @@ enum Cli {
     },
 }
 
+/// One image alone.
+#[derive(Debug, clap::Subcommand)]
+enum M7 {
+    /// The simulated device as firmware, and a session of the real host on it
+    Device(m7_device::Args),
+}
+
 fn main() -> ExitCode {
     let done = match Cli::parse() {
         Cli::Demo { args } => demo::run(&args),
         Cli::Ci => ci::run(),
-        Cli::M7 => m7::run(),
+        Cli::M7 { only: None } => m7::run(),
+        Cli::M7 { only: Some(M7::Device(args)) } => m7::device(&args),
         Cli::Counts => counts::run(),
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Golden { accept } => golden::run(accept),

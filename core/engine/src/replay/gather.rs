@@ -55,6 +55,12 @@ impl Gather {
         self.file.len() == self.header.scene_bytes as usize
     }
 
+    /// The bytes that came in order.
+    #[must_use]
+    pub fn file(&self) -> &[u8] {
+        &self.file
+    }
+
     /// The scene.
     ///
     /// # Errors

@@ -252,7 +252,8 @@ impl Gadget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::serve::usbip::wire::HEADER_BYTES;
+    use crate::serve::drill::Noise;
+    use crate::serve::usbip::wire::{self, HEADER_BYTES};
 
     fn submit(seq: u32, to_host: bool, endpoint: u8, length: usize) -> Request {
         Request::Submit(Submit { seq, to_host, endpoint, length, setup: [0; 8] })
@@ -351,5 +352,38 @@ mod tests {
         }
         gadget.request(&submit(1000, true, 9, 64), &[], &mut out);
         assert_eq!(answers(&out, &[]), [(PARKED as u32, NO_ROOM, vec![]), (1000, STALLED, vec![])]);
+    }
+
+    /// Requests of random numbers, most of them in the neighbourhood of good ones.
+    #[test]
+    fn whatever_is_asked_is_answered_and_nothing_grows_without_bound() {
+        let (mut gadget, mut out, mut noise) = (Gadget::new("T"), Vec::new(), Noise::new(7));
+        let mut asked = 0;
+        for _ in 0..200_000 {
+            let mut words: [u32; 12] = std::array::from_fn(|_| (noise.next() >> 40) as u32);
+            let kinds = [3, 400, 1, 2, 4, 1, 256, 1, 1, 1];
+            for (word, kind) in words.iter_mut().zip(kinds) {
+                *word %= if noise.next() % 50 == 0 { u32::MAX } else { kind };
+            }
+            (words[10], words[11]) = (words[10] & 0xFF0F_0F0F | 0x8000_0000, words[11] & 0x8100_FFFF);
+            let header: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+            let Some(request) = wire::request(header.first_chunk().unwrap()) else { continue };
+            let length = if let Request::Submit(submit) = &request { submit.data_bytes() } else { 0 };
+            gadget.request(&request, &[0xAA; wire::TRANSFER_BYTES][..length], &mut out);
+            match noise.next() % 64 {
+                0 => gadget.send(&[1; 64], &mut out),
+                1 => drop(gadget.receive(&mut out)),
+                2 => gadget.halt(&mut out),
+                _ => {}
+            }
+            assert!(out.len() <= 4 * PARKED * (HEADER_BYTES + PACKET_BYTES) + wire::TRANSFER_BYTES);
+            out.clear();
+            asked += 1;
+        }
+        assert!(asked > 100_000, "{asked} requests were of the protocol");
+        for pair in &gadget.pairs {
+            assert!(pair.fetching.len() <= PARKED && pair.bringing.len() <= PARKED);
+            assert!(pair.to_host.len() <= FIFO && pair.to_device.len() <= BUFFERS);
+        }
     }
 }

@@ -31,6 +31,9 @@ use super::super::LinkError;
 /// Transfers that fetch: what the device says in so many periods is taken even while the thread sleeps.
 const FETCHING: usize = 4;
 
+/// Transfers that bring: one on the bus, and one behind it, so that a device that takes a packet late costs no command.
+const BRINGING: usize = 2;
+
 /// Time after which a packet that the device does not take is withdrawn: a wrench older than that is no longer meant.
 const WITHDRAW_AFTER: Duration = Duration::from_millis(5);
 
@@ -160,9 +163,11 @@ pub struct Transfers {
     fetching: [Transfer; FETCHING],
     /// Of those, the one that comes back next: an endpoint keeps the order.
     next: usize,
-    bringing: Transfer,
-    /// When the packet that is on its way was sent.
-    sent: Instant,
+    bringing: [Transfer; BRINGING],
+    /// When each of those was last sent.
+    sent: [Instant; BRINGING],
+    /// Of those, the one that is free first.
+    free: usize,
     /// The kernel's descriptor of the device, libusb's own; ready when a transfer has come back.
     descriptor: RawFd,
     handle: DeviceHandle<Context>,
@@ -176,32 +181,43 @@ impl Transfers {
     pub fn start(handle: DeviceHandle<Context>, kind: Kind, pair: Endpoints) -> rusb::Result<Self> {
         let fetch = || Transfer::new(&handle, kind, pair.to_host);
         let fetching = [fetch()?, fetch()?, fetch()?, fetch()?];
-        let bringing = Transfer::new(&handle, kind, pair.to_device)?;
+        let bring = || Transfer::new(&handle, kind, pair.to_device);
+        let bringing = [bring()?, bring()?];
         let descriptor = descriptor(&handle).ok_or(rusb::Error::NotSupported)?;
-        let mut transfers = Self { fetching, next: 0, bringing, sent: Instant::now(), descriptor, handle };
+        let sent = [Instant::now(); BRINGING];
+        let mut transfers = Self { fetching, next: 0, bringing, sent, free: 0, descriptor, handle };
         for transfer in &mut transfers.fetching {
             transfer.submit().map_err(|_| rusb::Error::NoDevice)?;
         }
         Ok(transfers)
     }
 
-    /// Sends a packet unless the one before it is still on its way; never waits.
+    /// Sends a packet unless those before it are still on their way; never waits.
+    ///
+    /// # Errors
+    /// [`LinkError::Full`] when they are, [`LinkError::Closed`] when the device is gone.
     pub fn send(&mut self, packet: &[u8; PACKET_BYTES]) -> Result<(), LinkError> {
-        if self.bringing.is_on_its_way() {
+        if self.bringing[self.free].is_on_its_way() {
             self.look(Duration::ZERO);
         }
-        if self.bringing.is_on_its_way() {
-            if self.sent.elapsed() > WITHDRAW_AFTER {
-                self.bringing.withdraw();
+        if self.bringing[self.free].is_on_its_way() {
+            if self.sent[self.free].elapsed() > WITHDRAW_AFTER {
+                self.bringing.iter().for_each(Transfer::withdraw);
             }
             return Err(LinkError::Full);
         }
-        *self.bringing.buffer() = *packet;
-        self.sent = Instant::now();
-        self.bringing.submit()
+        let transfer = &mut self.bringing[self.free];
+        *transfer.buffer() = *packet;
+        transfer.submit()?;
+        self.sent[self.free] = Instant::now();
+        self.free = (self.free + 1) % BRINGING;
+        Ok(())
     }
 
     /// Takes the next packet, waiting up to `wait` for it; 0 = none came.
+    ///
+    /// # Errors
+    /// [`LinkError::Closed`] when a transfer came back badly, in either direction.
     pub fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
         let Some(transfer) = self.await_next(wait)? else { return Ok(0) };
         let (LIBUSB_TRANSFER_COMPLETED, bytes) = transfer.came_back() else { return Err(LinkError::Closed) };
@@ -233,8 +249,9 @@ impl Transfers {
 
     /// False when a packet did not reach the device for another reason than that it was withdrawn.
     fn is_well(&self) -> bool {
-        let sent = &self.bringing;
-        sent.is_on_its_way() || matches!(sent.came_back().0, LIBUSB_TRANSFER_COMPLETED | LIBUSB_TRANSFER_CANCELLED)
+        self.bringing.iter().all(|sent| {
+            sent.is_on_its_way() || matches!(sent.came_back().0, LIBUSB_TRANSFER_COMPLETED | LIBUSB_TRANSFER_CANCELLED)
+        })
     }
 
     /// Lets libusb take what has come back, waiting up to `wait` for the first. libusb itself would wait in whole milliseconds.
@@ -275,7 +292,7 @@ fn descriptor(handle: &DeviceHandle<Context>) -> Option<RawFd> {
 
 impl Drop for Transfers {
     fn drop(&mut self) {
-        let all = || self.fetching.iter().chain([&self.bringing]);
+        let all = || self.fetching.iter().chain(&self.bringing);
         all().for_each(Transfer::withdraw);
         for _ in 0..CLOSING_LOOKS {
             if !all().any(Transfer::is_on_its_way) {

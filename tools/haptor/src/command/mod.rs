@@ -1,6 +1,6 @@
 //! The commands, one per file: its arguments, what it does, its messages.
 
-mod bake;
+pub mod bake;
 mod completions;
 mod config;
 mod demo;

@@ -64,7 +64,9 @@ fn offline(args: &Args, path: &std::path::Path) -> Outcome {
     let model = work.path().join("scene.model");
     bake::bake(&scene, &name, &model)?;
     let model = std::fs::read(&model).map_err(|error| unwritten(&error))?;
-    let rate = args.session.rate.unwrap_or(crate::config::RATE);
+    // the trajectory's own, unless another is asked for
+    let own = rows.first().map_or(crate::config::RATE, |row| (1.0 / row.dt).round() as u32);
+    let rate = args.session.rate.unwrap_or(own);
     let file = offline::record(&model, &rows, rate).map_err(|what| Failure::bad_input(format!("{}: {what}", path.display())))?;
     write_file(&args.output, &file)
 }

@@ -10,6 +10,7 @@ use crate::output::say;
 use crate::progress;
 use crate::session::describe;
 use crate::session::recording::{self, Recording};
+use crate::session::replay::Player;
 
 /// Shows what a recording holds; with --verify computes its contact again and compares every bit.
 ///
@@ -24,6 +25,9 @@ pub struct Args {
     /// Compute every tick again and compare to the bit
     #[arg(long)]
     verify: bool,
+    /// Show the contact at this time of the session [s], computed again: every region with its wrench
+    #[arg(long, value_name = "T_S", conflicts_with = "verify")]
+    at: Option<f64>,
     /// For programs: JSON on standard output
     #[arg(long)]
     json: bool,
@@ -38,10 +42,37 @@ pub fn run(args: &Args) -> Outcome {
         return check(args);
     }
     let recording = Recording::open(&args.file)?;
+    if let Some(at) = args.at {
+        return show(args, recording, at);
+    }
     if args.json {
         say(describe::value(&recording));
     } else {
         say(describe::table(&recording).trim_end());
+    }
+    Ok(())
+}
+
+/// The contact at a time.
+fn show(args: &Args, recording: Recording, at_s: f64) -> Outcome {
+    let shown = args.file.display();
+    let (Some(first), Some(last)) = (recording.ticks.first(), recording.ticks.last()) else {
+        return Err(Failure::bad_input(format!("{shown}: no ticks in it")));
+    };
+    let (from, to) = (first.t_us as f64 * 1.0e-6, last.t_us as f64 * 1.0e-6);
+    if !(from..=to).contains(&at_s) {
+        return Err(Failure::bad_input(format!("--at {at_s}: the recording has {from} to {to} s")));
+    }
+    let index = recording.ticks.partition_point(|tick| (tick.t_us as f64) < 1.0e6 * at_s);
+    let bar = progress::bar(recording.ticks.len() as u64, "computing again");
+    let mut player = Player::new(recording, |ticks| bar.set_position(ticks as u64));
+    bar.finish_and_clear();
+    let moment =
+        player.at(index).ok_or_else(|| Failure::problem(format!("{shown}: there is no contact to compute at {at_s} s")))?;
+    if args.json {
+        say(moment.value());
+    } else {
+        say(moment.table().trim_end());
     }
     Ok(())
 }

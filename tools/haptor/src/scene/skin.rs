@@ -98,6 +98,9 @@ fn read(section: &Section<'_, '_>, role: Role) -> Result<Body, SceneError> {
     let recipe = Recipe { scale: f64::from(scale), role, mend, bake: BakeSpec::default() };
     let bytes = read_bytes(&path).map_err(|error| refused(&error))?;
     let body = fetch_body(bytes, extension(&path).as_deref(), &recipe).map_err(|error| refused(&error))?.result;
+    if let Some(hint) = body::unit_hint(body.size, f64::from(scale)) {
+        section.note("file", &hint);
+    }
     if !body.mended.is_empty() {
         section.note("file", &format!("was mended: {}", body.mended.join(", ")));
     }

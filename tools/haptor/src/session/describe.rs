@@ -71,7 +71,7 @@ pub fn happenings(recording: &Recording) -> impl Iterator<Item = (u64, String)> 
 /// What happened, in words; `None` for what every session begins with.
 pub fn words(what: &Happening) -> Option<String> {
     Some(match what {
-        Happening::Placed(_) | Happening::Rested => return None,
+        Happening::Scene(_) | Happening::Device(_) | Happening::Placed(_) | Happening::Rested => return None,
         Happening::Tuned(tuning) => format!(
             "tuned: tier {}, {} samples, friction {} static, {} dynamic",
             tuning.tier.name(),

@@ -12,5 +12,6 @@ pub mod host;
 pub mod mcap;
 pub mod offline;
 pub mod recording;
+pub mod replay;
 pub mod report;
 pub mod table;

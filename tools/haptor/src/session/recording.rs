@@ -4,6 +4,7 @@ use std::path::Path;
 
 use haptor_engine::Scene;
 use haptor_engine::replay::{Gather, NoScene};
+use haptor_mesh::Mesh;
 use haptor_wire::recording::written_by;
 use haptor_wire::{
     BakedScene, Damage, FaultRecord, HostFault, Place, Record, RecordHeader, RecordReader, SessionHello, Summary, TickRecord,
@@ -11,14 +12,17 @@ use haptor_wire::{
 };
 
 use crate::failure::Failure;
+use crate::skins;
 
 /// What a recording holds.
 #[derive(Debug, Default)]
 pub struct Recording {
     /// What was recorded; of joined recordings the last.
     pub header: Option<RecordHeader>,
-    /// The scenes, in order, and where each begins.
-    pub scenes: Vec<(usize, Result<Box<Scene>, NoScene>)>,
+    /// The scenes, in order, each with the header that names it.
+    pub scenes: Vec<(RecordHeader, Result<Box<Scene>, NoScene>)>,
+    /// The meshes to look at that each scene's file carries.
+    pub skins: Vec<Vec<Mesh>>,
     /// The device, when one was there.
     pub device: Option<SessionHello>,
     /// Ticks in order.
@@ -36,6 +40,10 @@ pub struct Recording {
 /// What happens between two ticks.
 #[derive(Clone, Debug)]
 pub enum Happening {
+    /// The scene of that index begins.
+    Scene(usize),
+    /// The device that was there.
+    Device(SessionHello),
     /// Other parameters hold.
     Tuned(Tuning),
     /// The device stands elsewhere.
@@ -48,12 +56,9 @@ pub enum Happening {
     Fault(FaultRecord),
     /// Records that were never written.
     Lost(u64),
-    /// Bytes that are no record.
+    /// Bytes that are no record; of several in a row the first.
     Damaged(Damage),
 }
-
-/// Damaged places told one by one; a file of noise has millions.
-const DAMAGE_TOLD: usize = 1000;
 
 impl Recording {
     /// Reads a recording as far as it goes.
@@ -78,8 +83,9 @@ impl Recording {
             match record {
                 Ok(Record::Header(header)) => {
                     recording.leave_scene(gather.take());
-                    gather = Some((recording.ticks.len(), Gather::new(&header)));
+                    gather = Some((header, Gather::new(&header)));
                     recording.header = Some(header);
+                    recording.note(Happening::Scene(recording.scenes.len()));
                 }
                 Ok(Record::Scene(chunk)) => {
                     if let Some((_, gather)) = &mut gather {
@@ -94,8 +100,15 @@ impl Recording {
         recording
     }
 
-    fn leave_scene(&mut self, gather: Option<(usize, Gather)>) {
-        self.scenes.extend(gather.map(|(from, gather)| (from, gather.scene().map(Box::new))));
+    fn leave_scene(&mut self, gather: Option<(RecordHeader, Gather)>) {
+        let Some((header, gather)) = gather else { return };
+        // what is damaged in them, the scene says
+        self.skins.push(skins::read(gather.file()).unwrap_or_default());
+        self.scenes.push((header, gather.scene().map(Box::new)));
+    }
+
+    fn note(&mut self, what: Happening) {
+        self.happened.push((self.ticks.len(), what));
     }
 
     fn take(&mut self, record: &Record<'_>) {
@@ -107,7 +120,7 @@ impl Recording {
             }
             Record::Device(device) => {
                 self.device = Some(device);
-                return;
+                Happening::Device(device)
             }
             Record::Fault(fault) => {
                 self.faults.push(fault);
@@ -120,13 +133,14 @@ impl Recording {
             Record::Lost { count } => Happening::Lost(count),
             Record::Header(_) | Record::Schema(_) | Record::Scene(_) => return,
         };
-        self.happened.push((self.ticks.len(), happened));
+        self.note(happened);
     }
 
     fn damage(&mut self, damage: Damage) {
         self.damaged += 1;
-        if self.damaged <= DAMAGE_TOLD {
-            self.happened.push((self.ticks.len(), Happening::Damaged(damage)));
+        let before = self.ticks.len();
+        if !matches!(self.happened.last(), Some((at, Happening::Damaged(_))) if *at == before) {
+            self.note(Happening::Damaged(damage));
         }
     }
 

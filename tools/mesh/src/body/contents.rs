@@ -17,6 +17,7 @@ impl Keep for Body {
         let mut out = Writer(Vec::new());
         let columns = self.inertia.to_cols_array();
         out.wide(&columns);
+        out.wide(&self.size.to_array());
         out.wide(&[self.hollow.depth, self.hollow.share]);
         out.count(self.mended.len());
         self.mended.iter().for_each(|line| out.bytes(line.as_bytes()));
@@ -28,13 +29,14 @@ impl Keep for Body {
     fn from_contents(contents: &[u8]) -> Result<Self, KeptError> {
         let mut from = Reader { rest: contents, total: contents.len() };
         let inertia = DMat3::from_cols_array(&from.wide()?);
+        let size = DVec3::from_array(from.wide()?);
         let [depth, share] = from.wide()?;
         let mended = from.list(|from| Ok(String::from_utf8_lossy(from.bytes()?).into_owned()))?;
         let parts = from.list(Reader::part)?;
         if !from.rest.is_empty() {
             return Err(from.wrong());
         }
-        Ok(Self { parts, inertia, hollow: Hollow { depth, share }, mended })
+        Ok(Self { parts, inertia, size, hollow: Hollow { depth, share }, mended })
     }
 }
 

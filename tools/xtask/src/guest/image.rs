@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 
 use super::PROGRAMS;
 use super::kernel::{Kernel, MODULES};
-use crate::run::{self, ask};
+use crate::run::{self, ask, root};
 
 /// The shell; statically linked, or it would need libraries before there are any.
 const SHELL: &str = "/bin/busybox";
@@ -20,7 +20,7 @@ const SHELL: &str = "/bin/busybox";
 const SHELL_PACKAGE: &str = "busybox-static";
 
 /// Folders that exist before anything is mounted.
-const FOLDERS: [&str; 6] = ["bin", "modules", "dev", "proc", "sys", "tmp"];
+const FOLDERS: [&str; 7] = ["bin", "lib", "modules", "dev", "proc", "sys", "tmp"];
 
 /// Builds the image; yields its path.
 pub fn build(folder: &Path, kernel: &Kernel, programs: &Path, seconds: f64, drills: bool) -> Result<PathBuf> {
@@ -43,10 +43,20 @@ pub fn build(folder: &Path, kernel: &Kernel, programs: &Path, seconds: f64, dril
             copy(&library, &tree.join(library.strip_prefix("/")?))?;
         }
     }
+    counter(&tree.join("lib/malloc_count.so"))?;
     let init = tree.join("init");
     fs::write(&init, script(seconds, drills))?;
     fs::set_permissions(&init, fs::Permissions::from_mode(0o755))?;
     pack(&tree, &folder.join("guest.cpio"))
+}
+
+/// Builds the library that counts what libusb allocates.
+fn counter(into: &Path) -> Result<()> {
+    let mut cc = Command::new(std::env::var_os("CC").unwrap_or("cc".into()));
+    cc.args(["-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-o"])
+        .arg(into)
+        .arg(root().join("tests/guest/malloc_count.c"));
+    run::run(&mut cc)
 }
 
 /// What the kernel starts.

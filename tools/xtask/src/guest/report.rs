@@ -7,6 +7,7 @@ use std::fmt::Write;
 pub struct Report {
     sessions: Vec<String>,
     drills: Vec<String>,
+    allocations: Option<String>,
     failed: Vec<String>,
     ended: bool,
 }
@@ -22,10 +23,12 @@ const DRILLS: &str = "\
 ";
 
 impl Report {
-    /// Takes a line of the console.
+    /// Takes a line of the console; the firmware of the emulated machine leaves signs before the first.
     pub fn take(&mut self, line: &str) {
+        let line = line.find('@').map_or(line, |at| &line[at..]);
         match line.split_once('|') {
             Some(("@session", row)) => self.sessions.push(row.to_owned()),
+            Some(("@allocations", count)) => self.allocations = Some(count.to_owned()),
             Some(("@drill", row)) => self.drills.push(row.to_owned()),
             Some(("@failed", what)) => self.failed.push(what.to_owned()),
             _ => self.ended |= line == "@end",
@@ -53,6 +56,9 @@ impl Report {
                 text.push('\n');
             }
         }
+        if let Some(count) = &self.allocations {
+            _ = writeln!(text, "libusb allocates and frees in C, on the real-time thread: {count} times a tick, 56 bytes each.");
+        }
         text
     }
 
@@ -69,5 +75,40 @@ impl Report {
              the\nfault, no file left open, no memory kept, nothing hangs.\n\n{}",
             self.tables().trim_end().to_owned() + "\n"
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(lines: &[&str]) -> Report {
+        let mut report = Report::default();
+        lines.iter().for_each(|line| report.take(line));
+        report
+    }
+
+    #[test]
+    fn lines_become_rows() {
+        let report = told(&[
+            "\u{1b}c@session|usb|3000|0",
+            "vhci_hcd: noise",
+            "@drill|unplugged|link lost|2|2|yes",
+            "@allocations|2.00",
+            "@end",
+        ]);
+        let tables = report.tables();
+        assert!(report.is_good());
+        for part in ["\n| usb | 3000 | 0 |\n", "\n| unplugged | link lost | 2 | 2 | yes |\n", ": 2.00 times a tick"] {
+            assert!(tables.contains(part), "{tables}");
+        }
+    }
+
+    #[test]
+    fn a_failure_or_an_early_end_is_not_good() {
+        let failed = told(&["@failed|halted: no fault was latched", "@end"]);
+        assert!(!failed.is_good() && failed.failures().contains("halted: no fault"));
+        let cut = told(&["@session|usb|3000|0"]);
+        assert!(!cut.is_good() && cut.failures().contains("did not reach its end"));
     }
 }

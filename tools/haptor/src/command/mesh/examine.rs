@@ -1,5 +1,6 @@
 //! `haptor mesh info` and `check`: everything that is known about a mesh, and whether a scene can use it.
 
+use haptor_mesh::body::unit_hint;
 use haptor_mesh::convex::{CONVEX, Hollow, hollow};
 use haptor_mesh::{Crossings, Findings, Mesh, Properties, check as find, crossings, properties, reduce, weld};
 use serde_json::json;
@@ -83,7 +84,7 @@ impl Examined {
         let (findings, properties) = (find(&mesh), properties(&mesh));
         let (hollow, crossings) = (hollow(&mesh), crossings(&mesh));
         let mut examined = Self { scale: file.scale(), mesh, findings, properties, hollow, crossings, warnings: Vec::new() };
-        examined.warnings = examined.warnings(file);
+        examined.warnings = examined.warnings();
         Ok(examined)
     }
 
@@ -91,10 +92,10 @@ impl Examined {
         self.mesh.bounds().map(|(low, high)| high - low).unwrap_or_default()
     }
 
-    fn warnings(&self, file: &File) -> Vec<String> {
+    fn warnings(&self) -> Vec<String> {
         let hollow = self.hollow.filter(|hollow| !hollow.is_convex()).map(|hollow| {
             format!(
-                "not convex: its surface lies up to {:.2e} m, {:.1} % of its diagonal, under its hull; an elastic object is felt as if each part of the \
+                "is not convex: its surface lies up to {:.2e} m, {:.1} % of its diagonal, under its hull; an elastic object is felt as if each part of the \
                  probe touched it once, a probe is cut into convex parts",
                 hollow.depth,
                 100.0 * hollow.share
@@ -102,9 +103,9 @@ impl Examined {
         });
         let Crossings { pairs, complete } = self.crossings;
         let crossing =
-            (pairs > 0).then(|| format!("{} of triangles cross: the mesh runs through itself", counted(pairs, complete)));
+            (pairs > 0).then(|| format!("has {} of triangles that cross: it runs through itself", counted(pairs, complete)));
         let pieces = (self.findings.pieces > 1)
-            .then(|| format!("{} pieces that do not touch; they are taken as one rigid body", self.findings.pieces));
+            .then(|| format!("has {} pieces that do not touch; they are taken as one rigid body", self.findings.pieces));
         let triangles = self.mesh.triangles.len();
         let many = (triangles > reduce::CAPACITY).then(|| {
             let most = reduce::CAPACITY;
@@ -112,7 +113,7 @@ impl Examined {
                 "{triangles} triangles, more than {most} make no difference to the hand: haptor mesh reduce --triangles {most}"
             )
         });
-        [file.hint(self.size()), pieces, hollow, crossing, many].into_iter().flatten().collect()
+        [unit_hint(self.size(), self.scale), pieces, hollow, crossing, many].into_iter().flatten().collect()
     }
 
     fn problems(&self, require_convex: Option<f64>) -> Vec<String> {

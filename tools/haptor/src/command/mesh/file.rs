@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use haptor_mesh::load::{extension, read_bytes};
-use haptor_mesh::{DVec3, Mesh, load_mesh, save_as};
+use haptor_mesh::{Mesh, load_mesh, save_as};
 
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -45,10 +45,6 @@ impl Unit {
     }
 }
 
-/// Largest and smallest extent of what a hand presses or holds \[m\]: a mesh beyond them is probably in another unit.
-const LARGE: f64 = 2.0;
-const SMALL: f64 = 1.0e-3;
-
 impl File {
     /// Its path in messages.
     pub fn name(&self) -> String {
@@ -84,16 +80,6 @@ impl File {
     /// As [`File::load`].
     pub fn bytes(&self) -> Result<Vec<u8>, Failure> {
         read_bytes(&self.file).map_err(|error| self.bad(error))
-    }
-
-    /// What to try when a mesh of this size is probably in another unit.
-    pub fn hint(&self, size: DVec3) -> Option<String> {
-        let largest = size.max_element();
-        let in_millimetres = largest / self.scale() * Unit::Mm.metres();
-        if largest > LARGE {
-            return Some(format!("{largest:.3} m across: if the file is in millimetres, give --unit mm ({in_millimetres:.3} m)"));
-        }
-        (largest < SMALL).then(|| format!("{largest:.1e} m across: finer than a hand feels; check --unit or --scale"))
     }
 }
 
