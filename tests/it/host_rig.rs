@@ -27,6 +27,7 @@ use haptor_wire::{
     BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart,
     ProbeParts, ProbeShape, Record, RtReport, SessionHello, Summary, TickRecord, Tier,
 };
+use rtrb::Producer;
 
 /// Ticks a second of every rig.
 pub const RATE_HZ: u32 = 1000;
@@ -180,11 +181,13 @@ pub struct Rig {
     pub far: Arc<Mutex<Far>>,
     /// The other side of the loop's desk, until somebody takes it.
     pub counter: Option<Counter>,
+    /// Everything recorded so far.
+    pub records: Vec<Record<'static>>,
+    /// Where everything recorded goes too.
+    pub copies: Option<Producer<Record<'static>>>,
     opener: Opener,
     readers: Readers,
     pub dumps: BlackBoxReader,
-    /// Everything recorded so far.
-    pub records: Vec<Record<'static>>,
     /// Every tick recorded so far.
     pub ticks: Vec<TickRecord>,
     /// The device recorded.
@@ -234,10 +237,11 @@ impl Rig {
             control,
             far,
             counter: Some(counter),
+            copies: None,
+            records: Vec::new(),
             opener,
             readers,
             dumps,
-            records: Vec::new(),
             ticks: Vec::new(),
             device: None,
             faults: Vec::new(),
@@ -258,6 +262,9 @@ impl Rig {
     /// Takes what the queues hold.
     pub fn collect(&mut self) {
         while let Ok(record) = self.readers.records.pop() {
+            if let Some(copies) = &mut self.copies {
+                copies.push(record).expect("the recorder keeps up");
+            }
             self.records.push(record);
             match record {
                 Record::Tick(tick) => self.ticks.push(tick),
@@ -287,9 +294,9 @@ impl Rig {
         self.opener.fresh.push(link).expect("room for a link");
     }
 
-    /// Set to ask for a rest, as the recorder does.
-    pub fn rest_wanted(&self) -> &AtomicBool {
-        &self.readers.rest_wanted
+    /// The flag by which a recorder asks for a rest.
+    pub fn rest_wanted(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.readers.rest_wanted)
     }
 
     pub fn summary(&self) -> Summary {

@@ -44,3 +44,7 @@ mod state_room;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+#[path = "../support/viewer.rs"]
+mod viewer;
+mod viewer_link;
+mod viewer_rig;

@@ -41,6 +41,19 @@ pub const TOKEN_BYTES: usize = 32;
 /// The token of a viewer that has none.
 pub const NO_TOKEN: [u8; TOKEN_BYTES] = [0; TOKEN_BYTES];
 
+/// Reads a token as people write it, 64 hexadecimal digits with or without white space around them; all zeros are none.
+#[must_use]
+pub fn token_from_hex(text: &str) -> Option<[u8; TOKEN_BYTES]> {
+    let mut digits = text.trim().chars().map(|digit| digit.to_digit(16));
+    let mut token = NO_TOKEN;
+    for byte in &mut token {
+        let (high, low) = (digits.next()??, digits.next()??);
+        // each at most 15
+        *byte = (high << 4 | low) as u8;
+    }
+    (digits.next().is_none() && token != NO_TOKEN).then_some(token)
+}
+
 /// An explanation for people, UTF-8.
 pub type Words = Vec<u8, WORDS_BYTES>;
 

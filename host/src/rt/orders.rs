@@ -78,6 +78,8 @@ impl<C: Clock> Control<C> {
         match (refused, order) {
             (Some(why), Order::Activate(activation)) => self.answer(number, (Err(why), Some(activation.engine))),
             (Some(why), _) => self.answer(number, (Err(why), None)),
+            // a core that runs needs not stand to go on
+            (None, Order::Freeze(false)) if !self.pause.frozen => self.answer(number, (Ok(()), None)),
             (None, order @ (Order::Activate(_) | Order::Tare | Order::Freeze(false))) => {
                 self.pause.waiting = Some(Numbered { number, order });
             }

@@ -232,17 +232,15 @@ impl Server {
         let _ = self.jobs.send(job);
     }
 
-    /// Sends what waits, and lets go of those who have gone.
+    /// Tells the loop what is wanted, before viewers are told that it has been; sends what waits, and lets go of those who have gone.
     fn send(&mut self, now: Instant) {
-        for peer in &mut self.peers {
-            peer.judge(now);
-            peer.write(now);
-        }
-        self.peers.retain(|peer| peer.stage != Stage::Gone);
+        self.peers.iter_mut().for_each(|peer| peer.judge(now));
         for place in 0..VIEWERS_MAX {
             let viewer = self.peers.iter().find(|peer| peer.place() == Some(place));
             self.counter.wanted.look_every(place, viewer.map_or(0, |peer| peer.subscription.every));
         }
+        self.peers.iter_mut().for_each(|peer| peer.write(now));
+        self.peers.retain(|peer| peer.stage != Stage::Gone);
     }
 
     /// The session has ended: everybody gets what waits, and the summary.

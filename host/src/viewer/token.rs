@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::io::Read;
 use std::path::Path;
 
-use haptor_wire::viewer::{NO_TOKEN, TOKEN_BYTES};
+use haptor_wire::viewer::{NO_TOKEN, TOKEN_BYTES, token_from_hex};
 
 use crate::error::HostError;
 
@@ -34,11 +34,7 @@ impl Token {
     /// Reads 64 hexadecimal digits; white space around them does not matter.
     #[must_use]
     pub fn from_hex(text: &str) -> Option<Self> {
-        let digits: Vec<u8> = text.trim().chars().map(|c| c.to_digit(16).map(|d| d as u8)).collect::<Option<_>>()?;
-        let (pairs, rest) = digits.as_chunks::<2>();
-        let bytes: Vec<u8> = pairs.iter().map(|[high, low]| high << 4 | low).collect();
-        let token = bytes.try_into().ok().filter(|token| rest.is_empty() && *token != NO_TOKEN)?;
-        Some(Self(token))
+        token_from_hex(text).map(Self)
     }
 
     /// As 64 hexadecimal digits.

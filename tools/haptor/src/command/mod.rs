@@ -13,8 +13,10 @@ mod plot;
 mod record;
 mod replay;
 mod run;
+mod tell;
 mod trajectory;
 mod view;
+mod watch;
 
 pub use eval::HEADER as EVAL_HEADER;
 pub use run::device as device_kind;
@@ -32,6 +34,7 @@ pub enum Command {
     Replay(replay::Args),
     Export(export::Args),
     View(view::Args),
+    Tell(tell::Args),
     Plot(plot::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
@@ -52,6 +55,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Replay(args) => replay::run(&args),
         Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),
+        Command::Tell(args) => tell::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),

@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use haptor_wire::viewer::DEFAULT_ADDRESS;
+
 use super::bake::bake;
+use crate::client::Address;
 use crate::config::{self, Config};
 use crate::failure::{Failure, Outcome};
 use crate::output::unwritten;
@@ -50,6 +53,24 @@ pub struct Session {
     /// Length of the session [s]; until Ctrl-C when not given
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     seconds: Option<f64>,
+    /// Let viewers in (`haptor view`, `haptor tell`) at HOST:PORT or unix:PATH; without an address at 127.0.0.1:21278
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
+    viewer: Option<Address>,
+    /// File with the token that viewers must know; HAPTOR_TOKEN of the environment when not given
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+}
+
+impl Session {
+    /// File with the token that viewers must know.
+    pub fn token_file(&self) -> Option<&Path> {
+        self.token_file.as_deref()
+    }
+
+    /// Length \[s\].
+    pub const fn seconds(&self) -> Option<f64> {
+        self.seconds
+    }
 }
 
 /// How long a simulated device serves when no length is given \[s\]: some eleven days, what it takes at most.
@@ -79,6 +100,12 @@ pub fn start(args: &Session, record: Option<&Path>) -> Outcome {
     }
     if let Some(record) = record {
         command.arg("--record").arg(record);
+    }
+    if let Some(address) = &args.viewer {
+        command.args(["--viewer", &address.to_string()]);
+    }
+    if let (Some(_), Some(file)) = (&args.viewer, &args.token_file) {
+        command.arg("--token-file").arg(file);
     }
     let interrupted = programs::note_interrupts()?;
     let status = Child::attached(&mut command)?.wait_for_end(&interrupted);
@@ -131,7 +158,7 @@ pub fn device(text: &str) -> Result<String, String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= LONGEST_S => Ok(value),
         _ => Err("allowed is a number above 0, up to 999990 s".to_owned()),

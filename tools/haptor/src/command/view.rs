@@ -8,6 +8,8 @@ use haptor_viewer::picture::{ColourBy, Settings};
 use haptor_viewer::{DVec3, MAX_SIDE, MIN_SIDE, Mesh, Shot, Vec3, View, draw};
 use haptor_wire::{BakedScene, Deformation};
 
+use super::watch::watch;
+use crate::client::Address;
 use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::scene::Scene;
@@ -24,8 +26,17 @@ use crate::trajectory::{self, Row};
 #[command(after_help = "Example: haptor view --shot twist.png --scene tests/scenes/cube-twist.toml \
                         --trajectory tests/scenes/cube-twist.csv --at 1.2")]
 pub struct Args {
-    /// Address of a running host to look at (the window is not in this build)
-    addr: Option<String>,
+    /// Address of a running host to look at, HOST:PORT or unix:PATH; with --text (the window is not in this build)
+    addr: Option<Address>,
+    /// Follow the host in lines of text, two a second; it must have been started with --viewer [default address: 127.0.0.1:21278]
+    #[arg(long, conflicts_with = "shot")]
+    text: bool,
+    /// How long to follow it [s]; until its session ends when not given
+    #[arg(long, requires = "text", value_parser = super::run::seconds)]
+    seconds: Option<f64>,
+    /// File with the host's token; HAPTOR_TOKEN of the environment when not given
+    #[arg(long, value_name = "FILE", requires = "text")]
+    token_file: Option<PathBuf>,
     /// Picture to draw (PNG)
     #[arg(long, value_name = "FILE.png", requires = "scene")]
     shot: Option<PathBuf>,
@@ -51,8 +62,13 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
+    if args.text {
+        return watch(&args.addr.clone().unwrap_or_default(), args.token_file.as_deref(), args.seconds);
+    }
     let (Some(shot), Some(scene)) = (&args.shot, &args.scene) else {
-        return Err(Failure::bad_input("the window is not in this build; draw a picture with --shot FILE.png --scene SCENE"));
+        return Err(Failure::bad_input(
+            "the window is not in this build; draw a picture with --shot FILE.png --scene SCENE, or follow a host with --text",
+        ));
     };
     if args.addr.is_some() {
         return Err(Failure::bad_input("give an address or --shot, not both"));
