@@ -101,6 +101,8 @@ struct Server<'a> {
     unplugged: bool,
     /// Time since forces were first armed [us].
     armed_us: Option<u64>,
+    /// Frames of the host that a restart cut in two; their rest is rejected, or taken for an idle line.
+    cut: u64,
 }
 
 impl<'a> Server<'a> {
@@ -131,6 +133,7 @@ impl<'a> Server<'a> {
             mischief: Mischief::new(args.seed),
             unplugged: false,
             armed_us: None,
+            cut: 0,
         })
     }
 
@@ -142,6 +145,7 @@ impl<'a> Server<'a> {
             return Ok(false);
         }
         if orders.restart {
+            self.cut += u64::from(self.device.is_amid_a_frame());
             self.device.restart(&self.preset, &self.args.serial);
         }
         if orders.kick {
@@ -221,11 +225,13 @@ impl<'a> Server<'a> {
     fn say_how_it_went(&self, clock: &Clock) {
         let counts = self.device.counts();
         say(format_args!(
-            "{} turns, {} times stood still; {} messages, {} frames rejected; {} frames dropped",
+            "{} turns, {} times stood still; {} messages, {} frames rejected, {} cut by restarts; {} frames sent, {} frames dropped",
             clock.turns(),
             clock.stood_still(),
             counts.accepted,
             u64::from(counts.rejected()) + self.link.bad_packets(),
+            self.cut,
+            self.link.sent(),
             self.link.dropped()
         ));
     }
