@@ -301,13 +301,13 @@ impl Relay {
         let n = read(&self.host, &mut bytes)?;
         let from_host = self.to_device.take(&bytes[..n]);
         let came = (from_device.len() + from_host.len()) as u64;
-        from_device.into_iter().for_each(|frame| self.to_host(frame));
-        from_host.into_iter().for_each(|frame| self.to_device(frame));
+        from_device.into_iter().for_each(|frame| self.carry_to_host(frame));
+        from_host.into_iter().for_each(|frame| self.carry_to_device(frame));
         self.write()?;
         Ok(came)
     }
 
-    fn to_host(&mut self, frame: Vec<u8>) {
+    fn carry_to_host(&mut self, frame: Vec<u8>) {
         if self.silent {
             self.to_host.ledger.withheld += 1;
             return;
@@ -320,7 +320,7 @@ impl Relay {
         }
     }
 
-    fn to_device(&mut self, frame: Vec<u8>) {
+    fn carry_to_device(&mut self, frame: Vec<u8>) {
         self.commands.came(&frame);
         for (frame, whole) in self.mischief(frame, |relay| &mut relay.to_device) {
             self.to_device.deliver(&frame, whole);
