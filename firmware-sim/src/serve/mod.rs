@@ -38,8 +38,9 @@ const READ_BYTES: usize = 64 * 1024;
 
 /// Serves until the time is up, standard input closes, a signal comes or the drill says so.
 pub fn run(args: &Args) -> Result<()> {
-    let mut server = Server::new(args)?;
+    // first: threads inherit it
     be_prompt();
+    let mut server = Server::new(args)?;
     let stop = stop_on_signals(args).context("cannot watch for signals")?;
     println!("serving {}", server.link.place()?);
     stdout().flush().context("cannot say where it serves")?;
