@@ -1,8 +1,12 @@
 //! The window, where this build has one.
 
+use std::process::Command;
+
+use anyhow::Context;
 use haptor_viewer::feed::Source;
 
 use crate::failure::{Failure, Outcome};
+use crate::programs::Child;
 
 /// What builds without a window say.
 #[cfg(not(feature = "window"))]
@@ -19,6 +23,19 @@ pub fn check() -> Outcome {
     #[cfg(feature = "window")]
     Ok(())
 }
+
+/// Starts a window on the host at `address`, in a program of its own: what happens to it does not touch the session. It closes when dropped.
+///
+/// # Errors
+/// As [`check`], or when the program cannot be started.
+pub fn beside(address: &str) -> Result<Child, Failure> {
+    check()?;
+    let this = std::env::current_exe().context("the path of this program is unknown")?;
+    Ok(Child::attached(Command::new(this).args(["view", address, "--wait", PATIENCE_S]))?)
+}
+
+/// How long the window waits for a host that has just been started \[s\].
+const PATIENCE_S: &str = "10";
 
 /// Shows a source in a window called `title`, until it is closed.
 ///
