@@ -81,7 +81,7 @@ fn mallet() -> Mesh {
 /// Radius of a leg, length of its axis, and how far it leans; radius of the bow that joins the legs' axes.
 const LEG: (f64, f64) = (0.006, 0.09);
 /// Sine and cosine of 17 degrees.
-const LEAN: (f64, f64) = (0.292_371_704_722_736_74, 0.956_304_755_963_035_4);
+const LEAN: (f64, f64) = (0.292_371_704_722_736_7, 0.956_304_755_963_035_4);
 const BOW: f64 = 0.009;
 
 /// A tube along an axis that goes up one leg, around the bow and down the other, with half balls on its ends.
