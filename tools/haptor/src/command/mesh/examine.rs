@@ -110,7 +110,7 @@ impl Examined {
         let many = (triangles > reduce::CAPACITY).then(|| {
             let most = reduce::CAPACITY;
             format!(
-                "{triangles} triangles, more than {most} make no difference to the hand: haptor mesh reduce --triangles {most}"
+                "has {triangles} triangles, more than {most} make no difference to the hand: haptor mesh reduce --triangles {most}"
             )
         });
         [unit_hint(self.size(), self.scale), pieces, hollow, crossing, many].into_iter().flatten().collect()
