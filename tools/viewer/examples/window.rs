@@ -3,14 +3,18 @@
 //!
 //! ```text
 //! cargo run --release -p haptor-viewer --features window --example window -- twist
+//! cargo run --release -p haptor-viewer --features window --example window -- twist twist.png 2.1 cz
 //! ```
+//!
+//! The second draws the window without a display: at 2.1 s, after the keys C and Z.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use glam::{DQuat, DVec3, Vec3};
 use haptor_mesh::{Mesh, tessellate};
 use haptor_viewer::feed::{Displacement, Fault, Frame, Mode, Pose, Region, Script, Stage, Timing, Wrench};
-use haptor_viewer::window::{Options, open};
+use haptor_viewer::window::{Action, BINDINGS, Moment, Options, open, window_shot};
 
 /// Edge of the object \[m\].
 const EDGE: f64 = 0.1;
@@ -28,7 +32,8 @@ const STIFFNESS: f64 = 1.0e6;
 const FRICTION: f64 = 0.75;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let name = std::env::args().nth(1).unwrap_or_else(|| "twist".to_owned());
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let name = arguments.first().cloned().unwrap_or_else(|| "twist".to_owned());
     let legs: Vec<DVec3> = match name.as_str() {
         "press" | "twist" | "replay" | "fault" => vec![DVec3::ZERO],
         "legs" => vec![DVec3::new(-0.025, 0.0, 0.0), DVec3::new(0.025, 0.0, 0.0)],
@@ -38,8 +43,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stage = stage(&name, &legs);
     let frames = (0..600).map(|k| frame(&stage, &name, &legs, k)).collect();
     let script = if name == "replay" { Script::recording(stage, frames) } else { Script::session(stage, frames) };
-    open(Box::new(script), &Options::default())?;
+    match &arguments[..] {
+        [] | [_] => open(Box::new(script), &Options::default())?,
+        [_, file, rest @ ..] => {
+            let at = rest.first().map_or(Ok(1.0), |at| at.parse())?;
+            let keys = rest.get(1).map_or("", String::as_str);
+            std::fs::write(file, picture(script, at, keys)?)?;
+        }
+    }
     Ok(())
+}
+
+/// The window at a time \[s\] after some keys, as a PNG.
+fn picture(script: Script, at: f64, keys: &str) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let action = |key: char| {
+        let found = BINDINGS.iter().find(|binding| binding.action.key().eq_ignore_ascii_case(&key.to_string()));
+        found.map(|binding| binding.action).ok_or_else(|| format!("no key {key:?}"))
+    };
+    let actions: Vec<Action> = keys.chars().map(action).collect::<Result<_, _>>()?;
+    let begin = Moment { at: Duration::ZERO, actions: Vec::new() };
+    let moments = [begin, Moment { at: Duration::from_secs_f64(at), actions }];
+    Ok(window_shot(Box::new(script), &moments, [1280, 720])?.png()?)
 }
 
 /// Radius of a tip \[m\].

@@ -4,8 +4,11 @@
 use glam::DMat3;
 
 use crate::image::Image;
-use crate::picture::{Bar, Legend, MAKO, Sign};
+use crate::picture::{Bar, Legend, MAKO, Row, Sign};
 use crate::text::{self, Ink};
+
+/// Ground under the legend, and how much it covers.
+const PLATE: ([u8; 3], f32) = ([250, 251, 253], 0.7);
 
 /// Height of a line of text, per height of the picture.
 const LINE: f32 = 1.0 / 30.0;
@@ -25,6 +28,7 @@ pub fn draw(image: &mut Image, legend: &Legend, axes: DMat3) {
         return;
     }
     let line = LINE * image.height as f32;
+    draw_plate(image, &legend.rows, line);
     let mut y = 1.5 * line;
     for row in &legend.rows {
         let [r, g, b, _] = row.colour;
@@ -38,6 +42,14 @@ pub fn draw(image: &mut Image, legend: &Legend, axes: DMat3) {
         draw_bar(image, bar, line);
     }
     draw_axes(image, axes, line);
+}
+
+/// Light ground under the rows: what is behind does not make them unreadable.
+fn draw_plate(image: &mut Image, rows: &[Row], line: f32) {
+    let width = |row: &Row| text::width(&row.words, 0.95 * line) + 0.7 * line + text::width(&row.scale, 0.8 * line);
+    let widest = rows.iter().map(width).fold(0.0, f32::max);
+    let size = (1.9 * line + widest, (1.15 * rows.len() as f32 + 0.4) * line);
+    text::fill(image, (0.4 * line, 0.45 * line), size, PLATE.0, PLATE.1);
 }
 
 /// Is a point of the square from -1 to 1 (x right, y up) within a sign?
@@ -60,15 +72,17 @@ fn inside(sign: Sign, x: f32, y: f32) -> bool {
 fn draw_bar(image: &mut Image, bar: &Bar, line: f32) {
     let (width, height) = (0.8 * line, 11.0 * line);
     let (left, top) = (image.width as f32 - 1.6 * line, 2.6 * line);
+    let words = text::width(&bar.title, 0.85 * line) + line;
+    text::fill(image, (image.width as f32 - words - 0.3 * line, 0.6 * line), (words, height + 2.6 * line), PLATE.0, PLATE.1);
     for step in 0..height as u32 {
         let share = 1.0 - (step as f32 + 0.5) / height.floor();
         let colour = MAKO[usize::from((255.0 * share) as u8)];
-        text::fill(image, (left, top + step as f32), (width, 1.0), colour);
+        text::fill(image, (left, top + step as f32), (width, 1.0), colour, 1.0);
     }
     let ink = Ink { size: 0.85 * line, colour: INK };
     for (share, words) in &bar.ticks {
         let y = top + (1.0 - *share as f32) * (height.floor() - 1.0);
-        text::fill(image, (left - 0.3 * line, y), (0.3 * line, 1.0), FAINT);
+        text::fill(image, (left - 0.3 * line, y), (0.3 * line, 1.0), FAINT, 1.0);
         text::write(image, words, (left - 0.5 * line - text::width(words, ink.size), y + 0.28 * line), ink);
     }
     let right = left + width - text::width(&bar.title, ink.size);

@@ -43,11 +43,11 @@ pub fn width(text: &str, size: f32) -> f32 {
     font().map_or(0.0, |font| text.chars().map(|c| font.as_scaled(size).h_advance(font.glyph_id(c))).sum())
 }
 
-/// A filled rectangle \[pixels\].
-pub fn fill(image: &mut Image, corner: (f32, f32), size: (f32, f32), colour: [u8; 3]) {
+/// A rectangle \[pixels\] that covers so much, 0 to 1, of what is behind.
+pub fn fill(image: &mut Image, corner: (f32, f32), size: (f32, f32), colour: [u8; 3], cover: f32) {
     for j in 0..size.1 as u32 {
         for i in 0..size.0 as u32 {
-            blend(image, point(corner.0, corner.1), (i, j), colour, 1.0);
+            blend(image, point(corner.0, corner.1), (i, j), colour, cover);
         }
     }
 }

@@ -21,10 +21,10 @@ pub enum Layer {
     Ground,
     /// The elastic body.
     Object,
-    /// Contact regions.
-    Discs,
     /// The rigid body.
     Probe,
+    /// Contact regions: after the probe, so that their colours are those of the legend also where one looks through it.
+    Discs,
     /// Forces of the regions.
     RegionForces,
     /// Torque on the probe.
@@ -381,18 +381,31 @@ fn bar(by: ColourBy, (end, step): (f64, f64)) -> Option<Bar> {
 
 /// Colours of the object's vertices.
 fn colour_object(batch: &mut Batch, skin: &Skin, by: ColourBy, moved: Option<&[Vec3]>, profiles: &[Profile], end: f32) {
-    let Batch { positions, colours, .. } = batch;
+    let Batch { positions, colours, triangles, .. } = batch;
     match (by, moved) {
         (ColourBy::Displacement, Some(moved)) => {
             let shares = skin.sources.iter().map(|&source| moved[source as usize].length() / end);
             colours.iter_mut().zip(shares).for_each(|(colour, share)| *colour = scale_colour(share));
         }
         (ColourBy::Pressure, _) => {
-            let pressure = |&point: &Vec3| profiles.iter().map(|profile| profile.at(point)).fold(0.0, f32::max);
-            colours.iter_mut().zip(&*positions).for_each(|(colour, point)| *colour = scale_colour(pressure(point) / end));
+            let at = |&point: &Vec3| profiles.iter().map(|profile| profile.at(point)).fold(0.0, f32::max);
+            let mut pressure: Vec<f32> = positions.iter().map(at).collect();
+            keep_inside(&mut pressure, triangles);
+            colours.iter_mut().zip(&pressure).for_each(|(colour, pressure)| *colour = scale_colour(pressure / end));
         }
         _ => colours.fill(OBJECT),
     }
+}
+
+/// Takes away the pressure of vertices whose triangles reach out of the contact: a coarse mesh would smear it beyond the edge. The region's own disc
+/// shows it up to there.
+fn keep_inside(pressure: &mut [f32], triangles: &[[u32; 3]]) {
+    let leaves = |triangle: &&[u32; 3]| {
+        let inside = triangle.iter().filter(|&&corner| pressure[corner as usize] > 0.0).count();
+        (1..3).contains(&inside)
+    };
+    let edge: Vec<[u32; 3]> = triangles.iter().filter(leaves).copied().collect();
+    edge.iter().flatten().for_each(|&corner| pressure[corner as usize] = 0.0);
 }
 
 /// Tiles below an object.

@@ -21,7 +21,10 @@ pub const FORCE: Colour = [214, 39, 40, 255];
 pub const TORQUE: Colour = [148, 72, 190, 255];
 
 /// Width of a region's edge per its radius.
-const EDGE_WIDTH: f32 = 0.07;
+const EDGE_WIDTH: f32 = 0.04;
+
+/// Width of the lines of core and ring within a pressure, likewise.
+const LINE_WIDTH: f32 = 0.06;
 
 /// Steps of the colours from a region's centre to its edge.
 const PROFILE_STEPS: u16 = 12;
@@ -74,21 +77,26 @@ pub fn draw_disc(batch: &mut Batch, region: &Region) {
     draw_rings(batch, region, rings);
 }
 
-/// A region as its pressure, the edges of core and ring as lines.
+/// A region as its pressure, the edges of core and ring as lines within it: nothing lies on anything else, which a driver would mix up.
 pub fn draw_profile(batch: &mut Batch, region: &Region, end: f64) {
     let profile = Profile::of(region);
     let a = region.radius as f32;
-    let shares = (0..=PROFILE_STEPS).map(|k| f32::from(k) / f32::from(PROFILE_STEPS));
-    let filled: Vec<_> = shares.map(|r| (r * a, scale_colour(profile.at_share(r) / end as f32))).collect();
-    draw_rings(batch, region, &filled);
-    let width = EDGE_WIDTH * a;
-    let core = (region.stick_radius as f32).min(a);
-    if core < a {
-        draw_rings(batch, region, &[(a - width, SLIPS), (a, SLIPS)]);
-    }
+    let width = LINE_WIDTH * a;
+    let slips = region.stick_radius < region.radius;
+    let core = if slips { (region.stick_radius as f32).min(a - width) } else { a };
+    let at = |r: f32| (r, scale_colour(profile.at_share(r / a) / end as f32));
+    let filled =
+        |from: f32, to: f32| (0..=PROFILE_STEPS).map(move |k| at(from + (to - from) * f32::from(k) / f32::from(PROFILE_STEPS)));
+    let inner = (core - width).max(0.0);
+    let mut rings: Vec<(f32, Colour)> = filled(0.0, inner).collect();
     if core > 0.0 {
-        draw_rings(batch, region, &[((core - width).max(0.0), STICKS), (core, STICKS)]);
+        rings.extend([(inner, STICKS), (core, STICKS)]);
     }
+    if slips {
+        rings.extend(filled(core, a - width));
+        rings.extend([(a - width, SLIPS), (a, SLIPS)]);
+    }
+    draw_rings(batch, region, &rings);
 }
 
 fn draw_rings(batch: &mut Batch, region: &Region, rings: &[(f32, Colour)]) {

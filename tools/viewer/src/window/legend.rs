@@ -12,6 +12,9 @@ pub const INK: Color32 = Color32::from_rgb(32, 36, 44);
 /// Scales on it.
 const FAINT: Color32 = Color32::from_rgb(84, 90, 102);
 
+/// Under the legend: what is behind does not make it unreadable.
+const PLATE: Color32 = Color32::from_rgba_premultiplied(190, 191, 192, 192);
+
 /// Height of a line \[points\].
 const LINE: f32 = 20.0;
 
@@ -27,9 +30,14 @@ const SIGN: f32 = 6.5;
 /// Writes the legend over the picture in `rect`, seen along `axes` (rows: right, up, towards the viewer).
 pub fn show(painter: &Painter, rect: Rect, legend: &Legend, axes: DMat3) {
     let painter = painter.with_clip_rect(rect);
+    let plate = painter.add(Shape::Noop);
+    let corner = rect.left_top() + vec2(MARGIN, MARGIN);
+    let mut right = corner.x;
     for (number, row) in legend.rows.iter().enumerate() {
-        show_row(&painter, rect.left_top() + vec2(MARGIN, MARGIN + LINE * (number as f32 + 0.5)), row);
+        right = right.max(show_row(&painter, corner + vec2(0.0, LINE * (number as f32 + 0.5)), row));
     }
+    let under = Rect::from_min_max(corner, pos2(right, corner.y + LINE * legend.rows.len() as f32));
+    painter.set(plate, Shape::rect_filled(under.expand(6.0), 6.0, PLATE));
     if let Some(bar) = &legend.bar {
         show_bar(&painter, pos2(rect.right() - MARGIN, rect.top() + MARGIN), bar);
     }
@@ -50,12 +58,13 @@ fn colour([r, g, b, _]: Colour) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-fn show_row(painter: &Painter, left: Pos2, row: &Row) {
+/// Writes a row; where it ends.
+fn show_row(painter: &Painter, left: Pos2, row: &Row) -> f32 {
     show_sign(painter, left + vec2(SIGN, 0.0), row.sign, colour(row.colour));
     let from = left + vec2(3.6 * SIGN, 0.0);
     let words = painter.text(from, Align2::LEFT_CENTER, &row.words, FontId::proportional(14.0), INK);
     let at = pos2(words.right() + 10.0, left.y);
-    painter.text(at, Align2::LEFT_CENTER, &row.scale, FontId::proportional(12.0), FAINT);
+    painter.text(at, Align2::LEFT_CENTER, &row.scale, FontId::proportional(12.0), FAINT).right()
 }
 
 fn show_sign(painter: &Painter, at: Pos2, sign: Sign, colour: Color32) {
@@ -88,9 +97,12 @@ fn show_sign(painter: &Painter, at: Pos2, sign: Sign, colour: Color32) {
 
 /// The colour scale, upright, its upper right corner at `corner`.
 fn show_bar(painter: &Painter, corner: Pos2, bar: &Bar) {
+    let plate = painter.add(Shape::Noop);
     let title = painter.text(corner, Align2::RIGHT_TOP, &bar.title, FontId::proportional(13.5), INK);
     let top = title.bottom() + 10.0;
     let scale = Rect::from_min_max(pos2(corner.x - 16.0, top), pos2(corner.x, top + BAR));
+    let under = Rect::from_min_max(title.left_top(), scale.right_bottom() + vec2(0.0, 6.0));
+    painter.set(plate, Shape::rect_filled(under.expand(6.0), 6.0, PLATE));
     let step = BAR / MAKO.len() as f32;
     for (number, [r, g, b]) in MAKO.iter().enumerate() {
         let low = scale.bottom() - step * number as f32;

@@ -15,7 +15,7 @@ pub fn show(ui: &mut egui::Ui, app: &mut App) {
     let Some(playback) = app.playback() else { return };
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        let play = if playback.playing { "\u{23f8} Hold" } else { "\u{25b6} Play" };
+        let play = if playback.playing { "Hold" } else { "Play" };
         act(ui, app, Action::Play, &format!("{play} ({})", Action::Play.key()), 110.0);
         act(ui, app, Action::Back, "\u{2212}1 tick", 52.0);
         act(ui, app, Action::On, "+1 tick", 52.0);
