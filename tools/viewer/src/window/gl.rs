@@ -260,9 +260,9 @@ fn draw_batch(gl: &glow::Context, uniforms: &Uniforms, batch: &Batch, stored: &S
         gl.uniform_1_f32(uniforms.lift.as_ref(), paint.lift);
         gl.uniform_1_f32(uniforms.lit.as_ref(), f32::from(u8::from(paint.lit)));
         if paint.one_sided {
-            gl.enable(glow::CULL_FACE)
+            gl.enable(glow::CULL_FACE);
         } else {
-            gl.disable(glow::CULL_FACE)
+            gl.disable(glow::CULL_FACE);
         }
         if paint.behind > 0.0 {
             draw_pass(gl, uniforms, batch, glow::GREATER, Paint { hides: false, opacity: paint.behind * opacity, ..paint });

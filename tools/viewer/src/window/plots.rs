@@ -1,7 +1,7 @@
 //! The panel at the right: force, torque, depth and the time of a tick over the last seconds, all over one axis of time.
 
 use eframe::egui::{self, Color32, Rangef, RichText, vec2};
-use egui_plot::{AxisHints, GridInput, GridMark, HLine, Line, LineStyle, Plot};
+use egui_plot::{AxisHints, GridMark, HLine, Line, LineStyle, Plot};
 
 use super::app::{App, SPANS};
 use super::style::{self, AXES, NORM, faint};
@@ -130,8 +130,8 @@ fn show_sheet(ui: &mut egui::Ui, sheet: &Sheet, app: &App, height: f32, is_last:
         .show_axes([is_last, true])
         .custom_y_axes(vec![value.min_thickness(AXIS).label_spacing(LABELS.1).formatter(written)])
         .custom_x_axes(vec![time])
-        .x_grid_spacer(|input| marks(input, PARTS.0))
-        .y_grid_spacer(|input| marks(input, PARTS.1))
+        .x_grid_spacer(|input| marks(input.bounds, PARTS.0))
+        .y_grid_spacer(|input| marks(input.bounds, PARTS.1))
         .grid_color(GRID)
         .allow_drag(false)
         .allow_zoom(false)
@@ -161,8 +161,7 @@ fn written(mark: GridMark, _: &std::ops::RangeInclusive<f64>) -> String {
 }
 
 /// Round marks along an axis.
-fn marks(input: GridInput, parts: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
+fn marks((low, high): (f64, f64), parts: f64) -> Vec<GridMark> {
     let step_size = round_step((high - low) / parts);
     let first = (low / step_size).ceil();
     // no more than fit: bounds may be anything before the first picture
