@@ -172,3 +172,28 @@ impl Drop for Emulator {
         let _ = self.child.wait();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(ticks: &str, poses: &str, peak: &str, fault: &str) -> String {
+        format!("session          {ticks}\nposes            {poses}\npeak contact     {peak}\nfault            {fault}\n")
+    }
+
+    #[test]
+    fn lateness_passes_and_nothing_else_does() {
+        let (ticks, poses) = ("10.000 s, 10000 ticks at 1000 Hz", "3 lost, 0 out of order, 0 frames rejected");
+        for (said, good) in [
+            (table(ticks, poses, "4.462 N, 0.0416 N m", "none"), true),
+            (table(ticks, poses, "4.462 N, 0.0416 N m", "too many ticks late"), true),
+            (table(ticks, poses, "4.462 N, 0.0416 N m", "device over-speed"), false),
+            (table(ticks, poses, "0.000 N, 0.0000 N m", "none"), false),
+            (table("0.000 s, 0 ticks at 1000 Hz", poses, "4.462 N, 0.0416 N m", "pose stale"), false),
+            (table(ticks, "3 lost, 0 out of order, 1 frames rejected", "4.462 N, 0.0416 N m", "none"), false),
+            (String::new(), false),
+        ] {
+            assert_eq!(judge(&said).is_ok(), good, "{said}");
+        }
+    }
+}
