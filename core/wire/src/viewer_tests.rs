@@ -10,7 +10,7 @@ use crate::samples::{EVENT, FAULT_RECORD, SESSION, SUMMARY, TUNING};
 use crate::scene::MAX_PARTS;
 use crate::schema::VIEWER_TABLE;
 use crate::table_tests::{cases, encoded, structure};
-use crate::viewer::{CHUNK_BYTES, POINTS_IN_MESSAGE, TOKEN_BYTES, WORDS_BYTES, words};
+use crate::viewer::{CHUNK_BYTES, DEFAULT_ADDRESS, NO_TOKEN, POINTS_IN_MESSAGE, TOKEN_BYTES, WORDS_BYTES, words};
 use crate::*;
 
 const HELLO: ViewerHello = ViewerHello { version: u16::MAX, schema: u32::MAX, token: [0xFF; TOKEN_BYTES] };
@@ -298,13 +298,13 @@ fn words_are_cut_between_characters() {
 /// The page for those who write a viewer: its worked example, byte by byte.
 #[test]
 fn the_worked_example_of_the_page_is_what_is_sent() {
-    let hello = FromViewer::Hello(ViewerHello { version: 1, schema: 0x0102_0304, token: crate::viewer::NO_TOKEN });
+    let hello = FromViewer::Hello(ViewerHello { version: 1, schema: 0x0102_0304, token: NO_TOKEN });
     let mut frame = [0; 64];
     let n = encode_stream(&hello, &mut frame).unwrap();
     let hex: Vec<_> = frame[..n].iter().map(|byte| format!("{byte:02x}")).collect();
     let page = include_str!("../VIEWER.md");
     assert!(page.contains(&hex.join(" ")), "{}", hex.join(" "));
-    for limit in [format!("`{}`", crate::viewer::DEFAULT_ADDRESS), format!("{TOKEN_BYTES} bytes")] {
+    for limit in [format!("`{DEFAULT_ADDRESS}`"), format!("{TOKEN_BYTES} bytes")] {
         assert!(page.contains(&limit), "{limit}");
     }
 }
