@@ -109,9 +109,9 @@ impl Device {
         self.rest_us = (time % u64::from(TICK_US)) as u32;
     }
 
-    /// Power off and on: the firmware starts anew, hand and handle are where they were.
+    /// Power off and on: the firmware starts anew, hand and handle are where they were, [`Self::counts`] goes on.
     pub fn restart(&mut self, preset: &Preset, serial: &str) {
-        self.decoder = StreamDecoder::new();
+        self.decoder.restart();
         self.logic = Logic::new(preset.limits(serial));
         self.outbox = Outbox::default();
     }
@@ -142,6 +142,12 @@ impl Device {
     #[must_use]
     pub const fn counts(&self) -> DecodeCounts {
         self.decoder.counts()
+    }
+
+    /// Whether a frame has begun to come and not ended.
+    #[must_use]
+    pub fn is_amid_a_frame(&self) -> bool {
+        self.decoder.pending() > 0
     }
 
     /// Hand and handle.

@@ -69,6 +69,6 @@ fn two_devices(model: &Path) -> Result<String> {
 
 fn no_right(model: &Path) -> Result<String> {
     let _sim = Sim::start(&["--script", "press"])?;
-    refused(model, "usb --rt ignore", Options { user: Some(NOBODY), ..Options::default() }, "70-haptor.rules")?;
+    refused(model, "usb", Options { user: Some(NOBODY), ..Options::default() }, "70-haptor.rules")?;
     Ok("refused: no right to open it, with the udev rule|-|-|-".to_owned())
 }

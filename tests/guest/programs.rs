@@ -118,7 +118,9 @@ impl Host {
         let _ = fs::remove_file(black_box(record));
         let said = File::create(record.with_extension("said"))?;
         let mut command = Command::new("/bin/haptor-host");
-        command.arg(model).arg("--device").args(device.split(' ')).args(["--rt", "enforce", "--seconds", &seconds.to_string()]);
+        // who has no right to a device has none to real time either
+        let rt = if options.user.is_some() { "ignore" } else { "enforce" };
+        command.arg(model).arg("--device").args(device.split(' ')).args(["--rt", rt, "--seconds", &seconds.to_string()]);
         if let Some(library) = options.preload {
             command.env("LD_PRELOAD", library);
         }

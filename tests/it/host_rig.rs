@@ -11,7 +11,7 @@ use std::time::Duration;
 use haptor_engine::Scene;
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::preset::PREMIUM15;
-use haptor_firmware_sim::script::{CLEARANCE, Reach, Script};
+use haptor_firmware_sim::script::{Reach, Script};
 use haptor_firmware_sim::{Device, TxBuf};
 use haptor_host::link::{AnyLink, Link, LinkError};
 use haptor_host::rt::account::{Account, Readers};
@@ -23,11 +23,10 @@ use haptor_host::rt::line::{Line, Opener, exchange};
 use haptor_host::rt::pace::Follow;
 use haptor_host::rt::parts::Settings;
 use haptor_host::rt::stale::StaleRule;
-use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, FaultRecord, ForceLaw, FromHost, GuardLimits, ObjectShape, Place, ProbePart,
-    ProbeParts, ProbeShape, Record, RtReport, SessionHello, Summary, TickRecord, Tier,
-};
+use haptor_wire::{BakedScene, FaultRecord, FromHost, Record, RtReport, SessionHello, Summary, TickRecord};
 use rtrb::Producer;
+
+pub use crate::support::ball::ball_on_cube;
 
 /// Ticks a second of every rig.
 pub const RATE_HZ: u32 = 1000;
@@ -37,37 +36,6 @@ const DEVICE_TICK_US: u64 = 125;
 
 /// Room for what waits on the cable [bytes]: a second of reports.
 const CABLE_BYTES: usize = 64 * 1024;
-
-/// The ball on the rubber cube of the reference scenes; the device stands so that the ball hovers over the middle of the top.
-pub fn ball_on_cube() -> BakedScene {
-    let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
-    BakedScene {
-        object: ObjectShape::Box { size: [0.1; 3] },
-        fixed_below: 0.0,
-        young_modulus: 3.0e6,
-        poisson_ratio: 0.5,
-        density: 1100.0,
-        compliance: None,
-        probe: ProbeParts::from_slice(&[ball]).expect("one part"),
-        mass: 1.0,
-        inertia: None,
-        friction_static: 0.75,
-        friction_dynamic: 0.75,
-        region_distance: 0.004,
-        max_regions: 10,
-        tier: Tier::Bristle,
-        samples: 64,
-        sweeps: 4,
-        deformation: Deformation::Full,
-        coupling: Coupling::Direct,
-        breakaway: Breakaway::Smooth,
-        gravity: false,
-        force_law: ForceLaw::Hertz,
-        guard: GuardLimits::DEVICE_S_OWN,
-        paper_length: 0.1,
-        place: Place { p_wd: [0.0, 0.0, 0.12 + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
-    }
-}
 
 /// The device and its cable.
 pub struct Far {

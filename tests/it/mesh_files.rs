@@ -167,7 +167,8 @@ fn a_broken_mesh_is_mended_reduced_and_measured() {
     let found = folder.json(&["mesh", "reduce", "whole.ply", "--triangles", "300", "-o", "small.obj"]);
     let (max, rms) = (found["deviation_max_m"].as_f64().unwrap(), found["deviation_rms_m"].as_f64().unwrap());
     assert!(found["triangles"] == 300 && (1e-6..2e-3).contains(&max) && rms < max, "{found}");
-    assert_eq!(folder.good(&["mesh", "check", "small.obj"]), "small.obj: a solid\n");
+    let (code, out, _) = folder.run(&["mesh", "check", "small.obj"]);
+    assert_eq!((code, out.as_str()), (0, "small.obj: a solid\n"));
 
     // what is not allowed to be closed is told, and the rest is written
     let (code, _, told) = folder.run(&["mesh", "repair", "open.stl", "--holes", "3", "-o", "still.stl"]);
@@ -301,7 +302,8 @@ fn the_mesh_scenes_are_felt_as_their_primitives() {
 fn the_organ_is_pressed_and_baked_for_the_host() {
     let rows = felt("organ", "organ");
     assert!(rows.iter().flatten().all(|value| value.is_finite()));
-    assert!((0.5..50.0).contains(&largest(&rows, 2)) && largest(&rows, 5) > 1e-3, "{} N", largest(&rows, 2));
+    // Hertz for a ball of 8 mm 3 mm into a half space of the same tissue: 0.26 N
+    assert!((0.2..0.3).contains(&largest(&rows, 2)) && largest(&rows, 5) > 1e-5, "{} N", largest(&rows, 2));
     let folder = Folder::new();
     let scene = root().join("tests/scenes/organ.toml");
     folder.good(&["bake", scene.to_str().unwrap(), "-o", "organ.model"]);

@@ -1,5 +1,6 @@
 //! Scenes, paths and tolerances that the tests share.
 
+pub mod ball;
 pub mod drive;
 pub mod exact;
 pub mod led;

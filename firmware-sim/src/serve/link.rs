@@ -22,6 +22,7 @@ const BACKLOG: usize = 4096;
 pub struct Link {
     port: Port,
     backlog: Vec<u8>,
+    taken: u64,
     dropped: u64,
 }
 
@@ -40,7 +41,7 @@ impl Link {
             Place::Tcp(address) => Port::Tcp(Tcp::open(address).with_context(|| format!("cannot listen at {address}"))?),
             Place::Usb(way) => Port::Usb(Usb::open(way, serial)?),
         };
-        Ok(Self { port, backlog: Vec::with_capacity(BACKLOG), dropped: 0 })
+        Ok(Self { port, backlog: Vec::with_capacity(BACKLOG), taken: 0, dropped: 0 })
     }
 
     /// Where a host finds it, as `pty PATH`, `tcp ADDRESS`, `usbip ADDRESS` or `vhci port N`.
@@ -52,7 +53,7 @@ impl Link {
         })
     }
 
-    /// Frames dropped because the peer did not read.
+    /// Frames dropped because the peer did not read, or had gone.
     pub fn dropped(&self) -> u64 {
         match &self.port {
             Port::Usb(usb) => usb.lost().0,
@@ -87,6 +88,11 @@ impl Link {
         frame[..length].to_vec()
     }
 
+    /// Frames that have left.
+    pub fn sent(&self) -> u64 {
+        self.taken - self.dropped() - frames_in(&self.backlog)
+    }
+
     /// Whether the link has changed hands since last asked; what was meant for the host before is forgotten.
     pub fn changed_hands(&mut self) -> Result<bool> {
         let changed = match &mut self.port {
@@ -95,7 +101,7 @@ impl Link {
             Port::Usb(usb) => usb.newly_attached(),
         };
         if changed {
-            self.backlog.clear();
+            self.drop_backlog();
         }
         Ok(changed)
     }
@@ -112,10 +118,12 @@ impl Link {
     /// Sends a whole frame, or drops it when the peer is behind.
     pub fn write(&mut self, frame: &[u8]) {
         if let Port::Usb(usb) = &mut self.port {
+            self.taken += 1;
             return usb.write(frame);
         }
+        self.taken += frames_in(frame);
         if self.backlog.len() + frame.len() > BACKLOG {
-            self.dropped += 1;
+            self.dropped += frames_in(frame);
         } else {
             self.backlog.extend_from_slice(frame);
         }
@@ -134,10 +142,20 @@ impl Link {
                 Ok(n) if n > 0 => drop(self.backlog.drain(..n)),
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return,
                 // nobody there
-                _ => self.backlog.clear(),
+                _ => self.drop_backlog(),
             }
         }
     }
+
+    fn drop_backlog(&mut self) {
+        self.dropped += frames_in(&self.backlog);
+        self.backlog.clear();
+    }
+}
+
+/// A zero ends a frame.
+fn frames_in(bytes: &[u8]) -> u64 {
+    bytes.iter().filter(|&&byte| byte == 0).count() as u64
 }
 
 /// A pseudo terminal, raw from the start.

@@ -38,8 +38,9 @@ const READ_BYTES: usize = 64 * 1024;
 
 /// Serves until the time is up, standard input closes, a signal comes or the drill says so.
 pub fn run(args: &Args) -> Result<()> {
-    let mut server = Server::new(args)?;
+    // first: threads inherit it
     be_prompt();
+    let mut server = Server::new(args)?;
     let stop = stop_on_signals(args).context("cannot watch for signals")?;
     println!("serving {}", server.link.place()?);
     stdout().flush().context("cannot say where it serves")?;
@@ -101,6 +102,8 @@ struct Server<'a> {
     unplugged: bool,
     /// Time since forces were first armed [us].
     armed_us: Option<u64>,
+    /// Frames of the host that a restart cut in two; their rest is rejected, or taken for an idle line.
+    cut: u64,
 }
 
 impl<'a> Server<'a> {
@@ -131,6 +134,7 @@ impl<'a> Server<'a> {
             mischief: Mischief::new(args.seed),
             unplugged: false,
             armed_us: None,
+            cut: 0,
         })
     }
 
@@ -142,6 +146,7 @@ impl<'a> Server<'a> {
             return Ok(false);
         }
         if orders.restart {
+            self.cut += u64::from(self.device.is_amid_a_frame());
             self.device.restart(&self.preset, &self.args.serial);
         }
         if orders.kick {
@@ -221,11 +226,13 @@ impl<'a> Server<'a> {
     fn say_how_it_went(&self, clock: &Clock) {
         let counts = self.device.counts();
         say(format_args!(
-            "{} turns, {} times stood still; {} messages, {} frames rejected; {} frames dropped",
+            "{} turns, {} times stood still; {} messages, {} frames rejected, {} cut by restarts; {} frames sent, {} frames dropped",
             clock.turns(),
             clock.stood_still(),
             counts.accepted,
             u64::from(counts.rejected()) + self.link.bad_packets(),
+            self.cut,
+            self.link.sent(),
             self.link.dropped()
         ));
     }

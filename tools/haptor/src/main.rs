@@ -27,6 +27,7 @@ mod table;
 mod text;
 mod trajectory;
 mod usb;
+mod window;
 
 use std::process::ExitCode;
 

@@ -1,6 +1,7 @@
 //! From the bytes of a mesh file to the body that a scene needs, kept by digest so that the second time costs a fraction.
 //!
-//! Corners join, faults are mended where that is asked for, the mesh is checked to be the skin of one solid of a size that can be felt and moved into
+//! Corners join, faults are mended where that is asked for, the mesh is checked to be the skin of one solid of a size that can be felt, reduced to the
+//! triangles that are of use ([`CAPACITY`]) and moved into
 //! the body's frame; hollows are measured; a probe with hollows is cut into convex parts, because the core makes one contact a part; each part is baked.
 //! What comes out depends on the file's bytes, the [`Recipe`] and [`METHOD`] alone: that is its key among the kept results.
 
@@ -12,8 +13,10 @@ use sha2::{Digest, Sha256};
 
 use crate::bake::{about_mass_centre, on_its_base};
 use crate::convex::{CutSpec, Hollow, cut, hollow};
+use crate::deviation::deviation;
 use crate::kept::{self, Fetched, Key};
 use crate::load::{LoadError, format_of, read_mesh};
+use crate::reduce::{CAPACITY, reduce};
 use crate::repair::{MendSpec, mend};
 use crate::{BakeError, BakeSpec, Baked, Mesh, bake, check, properties, weld};
 
@@ -58,7 +61,7 @@ pub struct Body {
     pub size: DVec3,
     /// How far it is from convex.
     pub hollow: Hollow,
-    /// What was mended, one line for each thing; empty where nothing was.
+    /// What was mended or reduced, one line for each thing; empty where nothing was.
     pub mended: Vec<String>,
 }
 
@@ -132,7 +135,8 @@ pub fn key(bytes: &[u8], extension: Option<&str>, recipe: &Recipe) -> Key {
 /// # Errors
 /// As [`fetch`].
 pub fn make(loaded: &Mesh, recipe: &Recipe, progress: &mut dyn FnMut(f64)) -> Result<Body, BodyError> {
-    let (mesh, mended) = solid(loaded, recipe.mend)?;
+    let (mesh, mut mended) = solid(loaded, recipe.mend)?;
+    let mesh = within_capacity(mesh, &mut mended);
     let framed = match recipe.role {
         Role::Object => on_its_base(&mesh),
         Role::Probe => about_mass_centre(&mesh),
@@ -169,6 +173,23 @@ fn solid(loaded: &Mesh, with_mending: bool) -> Result<(Mesh, Vec<String>), BodyE
         return Err(BodyError::Size(size));
     }
     Ok((mesh, mended))
+}
+
+/// The mesh with no more triangles than are of use; says in `changes` what that cost.
+fn within_capacity(mesh: Mesh, changes: &mut Vec<String>) -> Mesh {
+    if mesh.triangles.len() <= CAPACITY {
+        return mesh;
+    }
+    let few = reduce(&mesh, CAPACITY, &mut |_| {});
+    // a mesh that could not bear it stays as it is
+    if !check(&few).is_solid() {
+        return mesh;
+    }
+    let off = deviation(&mesh, &few).unwrap_or_default();
+    let (before, after, max, rms) = (mesh.triangles.len(), few.triangles.len(), off.max, off.rms);
+    changes
+        .push(format!("reduced from {before} to {after} triangles, off by {max:.1e} m at most, {rms:.1e} m in the mean square"));
+    few
 }
 
 fn extents(mesh: &Mesh) -> Option<DVec3> {
@@ -248,6 +269,15 @@ mod tests {
                 body.parts.iter().for_each(|part| drop(part.baked.shape()));
             }
         }
+    }
+
+    #[test]
+    fn a_mesh_beyond_the_capacity_is_reduced_and_says_so() {
+        let fine = tessellate::ellipsoid(DVec3::ONE, 160);
+        assert!(fine.triangles.len() > CAPACITY);
+        let body = make(&fine, &RECIPE, &mut |_| {}).unwrap();
+        assert!(body.parts[0].mesh.triangles.len() <= CAPACITY, "{}", body.parts[0].mesh.triangles.len());
+        assert!(body.mended[0].starts_with("reduced from 25280 to "), "{:?}", body.mended);
     }
 
     #[test]

@@ -42,7 +42,8 @@ pub fn samples(mesh: &Mesh, distance: &Distance, centre: DVec3, count: usize, pr
     let outermost = directions().into_iter().filter_map(|d| farthest(candidates.iter().map(|c| (c.position - centre).dot(d))));
     let mut first: Vec<usize> = outermost.map(|(index, _)| index).rev().collect();
     while chosen.len() < count {
-        let next = first.pop().or_else(|| farthest(candidates.iter().map(|c| c.off)).map(|(index, _)| index));
+        let asked_for = first.pop();
+        let next = asked_for.or_else(|| farthest(candidates.iter().map(|c| c.off)).map(|(index, _)| index));
         let Some(Candidate { position, normal, off, .. }) = next.and_then(|index| candidates.get(index)).copied() else { break };
         if off > 0.0 {
             for candidate in &mut candidates {
@@ -52,7 +53,8 @@ pub fn samples(mesh: &Mesh, distance: &Distance, centre: DVec3, count: usize, pr
                 }
             }
             chosen.push(Sample { position, normal, area: 0.0 });
-        } else if first.is_empty() {
+        } else if asked_for.is_none() {
+            // the farthest is a sample already: no place is left
             break;
         }
         progress(chosen.len() as f64 / count as f64);
@@ -143,6 +145,15 @@ mod tests {
             assert!(most < 2.1 * least, "{prefix}: {least} to {most}");
         }
         assert!(found.iter().all(|s| (s.normal.length() - 1.0).abs() < 1e-9 && s.normal.dot(s.position.normalize()) > 0.99));
+    }
+
+    #[test]
+    fn a_direction_that_finds_a_sample_again_does_not_end_the_search() {
+        // four corners are the outermost along all fourteen directions, whichever comes last
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let tetrahedron = Mesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] };
+        let found = samples(&tetrahedron, &Distance::new(&tetrahedron).unwrap(), DVec3::splat(0.25), 64, &mut |_| {});
+        assert_eq!(found.len(), 64);
     }
 
     #[test]

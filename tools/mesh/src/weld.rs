@@ -4,6 +4,7 @@
 //! tolerances wide, hold the vertices kept so far; a vertex joins the first kept one found in its own cell or in those that its tolerance reaches.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use glam::{DVec3, I64Vec3};
 
@@ -22,7 +23,7 @@ pub fn weld(mesh: &Mesh, tolerance: Option<f64>) -> Mesh {
         return Mesh::default();
     };
     let tolerance = tolerance.unwrap_or((high - low).length() * DEFAULT_TOLERANCE).max(f64::MIN_POSITIVE);
-    let mut grid = Grid { tolerance, low, newest: HashMap::new(), older: Vec::new(), kept: Vec::new() };
+    let mut grid = Grid { tolerance, low, newest: HashMap::default(), older: Vec::new(), kept: Vec::new() };
     let mut joined = vec![NONE; mesh.vertices.len()];
     let mut triangles = Vec::with_capacity(mesh.triangles.len());
     for triangle in &mesh.triangles {
@@ -46,7 +47,7 @@ struct Grid {
     tolerance: f64,
     low: DVec3,
     /// The vertex kept last of those whose cell has this number; different cells may share one, which costs time only.
-    newest: HashMap<u64, u32>,
+    newest: HashMap<u64, u32, BuildHasherDefault<Mixed>>,
     /// For each kept vertex the one kept before it in its cell, or [`NONE`].
     older: Vec<u32>,
     kept: Vec<DVec3>,
@@ -90,11 +91,31 @@ impl Grid {
     }
 }
 
+/// Takes a cell's number, which is mixed already, as it is: a second hash would take most of the time.
+#[derive(Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.0 = self.0.rotate_left(8) ^ u64::from(byte));
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        self.0 = number;
+    }
+}
+
 /// A number for a cell; neighbours get different ones.
 fn number(cell: I64Vec3) -> u64 {
     // odd numbers near 2^64 over the golden section and its like, so that the three coordinates do not cancel
     let mixed = [(cell.x, 0x9e37_79b9_7f4a_7c15_u64), (cell.y, 0xc2b2_ae3d_27d4_eb4f), (cell.z, 0x1656_67b1_9e37_79f9)];
-    mixed.iter().fold(0, |sum, &(value, odd)| sum ^ (value as u64).wrapping_mul(odd).rotate_left(21))
+    let sum = mixed.iter().fold(0, |sum, &(value, odd)| sum ^ (value as u64).wrapping_mul(odd).rotate_left(21));
+    // the highest bits and the lowest both choose a place in the table
+    (sum ^ (sum >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93)
 }
 
 #[cfg(test)]

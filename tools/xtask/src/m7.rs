@@ -1,5 +1,5 @@
-//! `cargo xtask m7`: the core and the wire for a Cortex-M7 without an operating system, the proof that nothing in them allocates, and a
-//! session of the core on an emulated one, whose bits must be those of a PC; and the simulated device on it, with the real host.
+//! `cargo xtask m7`: core, wire and engine for a Cortex-M7 without an operating system, the proof that nothing in them allocates, and on an emulated one a
+//! session of the core and a recording computed again, whose bits must be those of a PC; and the simulated device on it, with the real host.
 //!
 //! Two toolchains can do it. Where rustup's target is installed it is used. Where rustup cannot fetch it, Debian's second Rust
 //! (packages rustc-web and rust-web-src) builds `core` from source. Which one was used is said.
@@ -12,13 +12,14 @@ use anyhow::{Context, Result, bail};
 
 use crate::m7_device;
 use crate::m7_image;
+use crate::recordings::Recordings;
 use crate::run::{self, ask, cargo, target};
 
 /// A Cortex-M7 with a floating-point unit of single precision.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// What must build for it.
-const CRATES: [&str; 2] = ["haptor-contact", "haptor-wire"];
+const CRATES: [&str; 3] = ["haptor-contact", "haptor-wire", "haptor-engine"];
 
 /// Debian's packages for a machine whose rustup has no network.
 const PACKAGES: [&str; 2] = ["rustc-web", "rust-web-src"];
@@ -50,15 +51,19 @@ pub fn run() -> Result<ExitCode> {
     no_allocator(&libraries)?;
     println!("{} libraries for {TARGET}, no allocator in any of them", libraries.len());
 
-    run::run(toolchain.take(&mut m7_image::build(TARGET, &image)?))?;
-    println!("emulated Cortex-M7: {}, as on a PC", m7_image::emulate(TARGET, &image)?);
+    let recordings = Recordings::make(&target()?.join("recordings"))?;
+    run::run(toolchain.take(&mut m7_image::build(TARGET, &image, Some(recordings.first()))?))?;
+    println!("emulated Cortex-M7: {}, as on a PC", m7_image::session(TARGET, &image)?);
+    let (said, written) = m7_image::replay(TARGET, &image)?;
+    println!("emulated Cortex-M7: {said}");
+    println!("debug, release, Cortex-M7: {}", recordings.check(&written)?);
     m7_device::session(TARGET, &image, &m7_device::Args::default())
 }
 
 /// Only the device: its image, and a session of the real host on it.
 pub fn device(args: &m7_device::Args) -> Result<ExitCode> {
     let image = target()?.join("m7-image");
-    run::run(toolchain()?.take(&mut m7_image::build(TARGET, &image)?))?;
+    run::run(toolchain()?.take(&mut m7_image::build(TARGET, &image, None)?))?;
     m7_image::have_emulator()?;
     m7_device::session(TARGET, &image, args)
 }
@@ -76,7 +81,7 @@ impl Toolchain {
 /// The build; its own folder, so that it never disturbs the host's.
 fn build(folder: &Path) -> Command {
     let mut command = cargo();
-    command.args(["build", "--release", "--lib", "--target", TARGET]);
+    command.args(["build", "--release", "--lib", "--no-default-features", "--target", TARGET]);
     command.args(CRATES.iter().flat_map(|name| ["-p", *name])).arg("--target-dir").arg(folder);
     command
 }

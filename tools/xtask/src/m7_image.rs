@@ -1,10 +1,11 @@
-//! The image for the emulated Cortex-M7: builds it, looks that it is free of an allocator, runs it in QEMU.
+//! The images for the emulated Cortex-M7: builds them, runs them in QEMU.
 //!
-//! The image runs the session of `tests/support/bits.rs` and ends with success only if its digest is the one every PC gives.
+//! One runs the session of `tests/support/bits.rs` and ends with success only if its digest is the one every PC gives. The other computes a recording again and ends with
+//! success only if every bit came out as recorded; its standard output is a recording of its own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail};
 
@@ -13,18 +14,22 @@ use crate::run::{self, ask, root};
 /// Folder of the image's own workspace.
 const FOLDER: &str = "firmware-sim/cortex-m";
 
-/// Name of the image.
-const IMAGE: &str = "haptor-m7";
+/// Names of the images.
+const SESSION: &str = "haptor-m7";
+const REPLAY: &str = "haptor-m7-replay";
 
 /// The emulator, and Debian's package of it.
 pub const EMULATOR: &str = "qemu-system-arm";
 
-/// Cargo's command for the image; its workspace, its target folder and its linker are its own.
-pub fn build(target: &str, folder: &Path) -> Result<Command> {
+/// Cargo's command for the images, with a `recording` also the one that computes it again; their workspace, their target folder and their linker are their own.
+pub fn build(target: &str, folder: &Path, recording: Option<&Path>) -> Result<Command> {
     let prefix = format!("CARGO_TARGET_{}", target.to_uppercase().replace('-', "_"));
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
     command.current_dir(root().join(FOLDER));
     command.args(["build", "--release", "--locked", "--target", target]).arg("--target-dir").arg(folder);
+    if let Some(recording) = recording {
+        command.args(["--features", "replay"]).env("HAPTOR_RECORDING", recording);
+    }
     command.env(format!("{prefix}_LINKER"), linker()?);
     command.env(format!("{prefix}_RUSTFLAGS"), "-C link-arg=-Tlink.x");
     Ok(command)
@@ -46,19 +51,48 @@ pub fn have_emulator() -> Result<()> {
     Ok(())
 }
 
-/// Runs the image and yields what it says.
-pub fn emulate(target: &str, folder: &Path) -> Result<String> {
-    let image = folder.join(target).join("release").join(IMAGE);
-    let size = fs::metadata(&image).with_context(|| format!("{} was not built", image.display()))?.len();
-    have_emulator()?;
-    let mut command = Command::new(EMULATOR);
-    command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none"]);
-    command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(&image);
-    let output =
-        command.output().with_context(|| format!("{EMULATOR} cannot be started: install Debian's package {EMULATOR}"))?;
-    let said = String::from_utf8_lossy(&output.stdout).trim().to_owned() + String::from_utf8_lossy(&output.stderr).trim();
+/// Runs the session and yields what it says.
+///
+/// # Errors
+/// When its digest is not the expected one.
+pub fn session(target: &str, folder: &Path) -> Result<String> {
+    let (output, size) = emulate(&image(target, folder, SESSION))?;
+    let said = words(&output.stdout) + &words(&output.stderr);
     if !output.status.success() {
         bail!("the image on the emulated Cortex-M7 says `{said}`, which is not the digest in tests/support/bits.rs");
     }
     Ok(format!("{said}, image with symbols {} kB", size / 1024))
+}
+
+/// Computes the recording again and yields what the image says, and the recording that it writes.
+///
+/// # Errors
+/// When a tick differs.
+pub fn replay(target: &str, folder: &Path) -> Result<(String, Vec<u8>)> {
+    let (output, _) = emulate(&image(target, folder, REPLAY))?;
+    let said = words(&output.stderr);
+    if !output.status.success() {
+        bail!("the recording comes out otherwise on the emulated Cortex-M7: {said}");
+    }
+    Ok((said, output.stdout))
+}
+
+fn image(target: &str, folder: &Path, name: &str) -> PathBuf {
+    folder.join(target).join("release").join(name)
+}
+
+fn words(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).trim().to_owned()
+}
+
+/// Runs an image to its end; its size too \[bytes\].
+fn emulate(image: &Path) -> Result<(Output, u64)> {
+    let size = fs::metadata(image).with_context(|| format!("{} was not built", image.display()))?.len();
+    have_emulator()?;
+    let mut command = Command::new(EMULATOR);
+    command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none"]);
+    command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    let output =
+        command.output().with_context(|| format!("{EMULATOR} cannot be started: install Debian's package {EMULATOR}"))?;
+    Ok((output, size))
 }

@@ -13,6 +13,7 @@ mod m7;
 mod m7_device;
 mod m7_image;
 mod pictures;
+mod recordings;
 mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
@@ -36,7 +37,8 @@ enum Cli {
     /// Format, lints with warnings denied, tests, API documentation, documents
     #[command(after_help = "Example: cargo xtask ci")]
     Ci,
-    /// Builds the core and the wire for a Cortex-M7 without an operating system, looks for an allocator, and runs core and device on an emulated one
+    /// Builds core, wire and engine for a Cortex-M7 without an operating system, looks for an allocator, runs a session, a recording and the simulated device on an
+    /// emulated one, and compares the bits with those of a debug and a release build
     #[command(after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250")]
     M7 {
         #[command(subcommand)]

@@ -37,6 +37,23 @@ pub fn tool() -> Result<PathBuf> {
     Ok(target.join("debug/haptor"))
 }
 
+/// Builds the host tool in release, the one of `cargo xtask demo`, and yields its path.
+///
+/// # Errors
+/// When it does not build.
+pub fn release_tool() -> Result<PathBuf> {
+    let target = target()?;
+    run(cargo().args(["build", "--quiet", "--release", "-p", "haptor", "--target-dir"]).arg(&target))?;
+    Ok(target.join("release/haptor"))
+}
+
+/// A program that was built, run in the folder of the root manifest.
+pub fn program(path: &Path) -> Command {
+    let mut command = Command::new(path);
+    command.current_dir(root());
+    command
+}
+
 /// Runs a command to its good end.
 ///
 /// # Errors

@@ -3,12 +3,12 @@
 //!
 //! A transfer that cannot be served yet is **parked**, as a device answers NAK until it can: towards the host until there is a packet, towards
 //! the device until the firmware has taken what came before. Packets that no transfer fetches wait in a short queue; the newest push out the
-//! oldest, so that a host that comes late reads what is, not what was. Clearing a halt empties the queue: what is fetched next is new.
+//! oldest report, so that a host that comes late reads what is, not what was. Clearing a halt empties the queue: what is fetched next is new.
 
 use std::collections::VecDeque;
 
-use haptor_wire::PACKET_BYTES;
 use haptor_wire::usb::{BULK, Endpoints, INTERRUPT};
+use haptor_wire::{FromDevice, PACKET_BYTES, decode_packet};
 
 use super::descriptors::{CONFIGURATION, MS_SET_INDEX, MS_VENDOR_CODE, descriptor, ms_os_set};
 use super::wire::{NO_ROOM, Request, STALLED, Submit, TAKEN_BACK, submitted, unlinked};
@@ -139,7 +139,9 @@ impl Gadget {
     pub fn send(&mut self, packet: &[u8], out: &mut Vec<u8>) {
         let pair = &mut self.pairs[self.active];
         if pair.to_host.len() >= FIFO {
-            pair.to_host.pop_front();
+            // who it is and what went wrong is said once, where it is comes again
+            let oldest = pair.to_host.iter().position(|packet| is_report(packet)).unwrap_or(0);
+            pair.to_host.remove(oldest);
             self.overrun += 1;
         }
         pair.to_host.push_back(packet.to_vec());
@@ -249,11 +251,17 @@ impl Gadget {
     }
 }
 
+/// Whether a packet says where the handle is; anything else counts as said once.
+fn is_report(packet: &[u8]) -> bool {
+    matches!(decode_packet(packet), Ok(FromDevice::Pose(_)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::serve::drill::Noise;
     use crate::serve::usbip::wire::{self, HEADER_BYTES};
+    use haptor_wire::{DeviceFault, FaultCause, Mode, PoseReport, encode_packet};
 
     fn submit(seq: u32, to_host: bool, endpoint: u8, length: usize) -> Request {
         Request::Submit(Submit { seq, to_host, endpoint, length, setup: [0; 8] })
@@ -289,6 +297,28 @@ mod tests {
         (0..20).for_each(|n| gadget.send(&[n], &mut out));
         gadget.request(&submit(1, true, 1, 64), &[], &mut out);
         assert_eq!((answers(&out, &[1]), gadget.overrun()), (vec![(1, 0, vec![12])], 12));
+    }
+
+    #[test]
+    fn reports_push_out_reports_and_not_what_is_said_once() {
+        let (mut gadget, mut out) = (Gadget::new("T"), Vec::new());
+        let pose = PoseReport {
+            seq: 5,
+            t_us: 0,
+            position_nm: [0; 3],
+            rotation_q30: [0; 4],
+            buttons: 0,
+            mode: Mode::Idle,
+            flags: 0,
+            echo: 0,
+        };
+        let pose = |seq| encode_packet(&FromDevice::Pose(PoseReport { seq, ..pose })).unwrap();
+        let fault = encode_packet(&FromDevice::Fault(DeviceFault { cause: FaultCause::Hardware, seq: 0, detail: 0 })).unwrap();
+        gadget.send(&pose(0), &mut out);
+        gadget.send(&fault, &mut out);
+        (1..30).for_each(|seq| gadget.send(&pose(seq), &mut out));
+        (1..=2).for_each(|seq| gadget.request(&submit(seq, true, 1, 64), &[], &mut out));
+        assert_eq!(answers(&out, &[1, 2]), [(1, 0, fault.to_vec()), (2, 0, pose(23).to_vec())]);
     }
 
     #[test]

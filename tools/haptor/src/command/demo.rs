@@ -23,6 +23,7 @@ use crate::session::host::{Host, Plan};
 use crate::session::recording::Recording;
 use crate::session::report::Figures;
 use crate::session::table;
+use crate::window;
 
 /// Runs a simulated device, the real-time host and the core for some seconds and shows what was felt.
 ///
@@ -52,7 +53,7 @@ pub struct Args {
     /// repeated
     #[arg(long = "drill", value_name = "KIND@T[:LENGTH]", value_parser = drill::parse)]
     drills: Vec<Drill>,
-    /// Show the window (not in this build)
+    /// Show the session in the window; it closes with the session
     #[arg(long)]
     view: bool,
     /// Folder for the results
@@ -81,9 +82,7 @@ const FAREWELL: Duration = Duration::from_secs(5);
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
     if args.view {
-        return Err(Failure::bad_input(
-            "--view: the window is not in this build; leave the option out, the plots are in the folder",
-        ));
+        window::check()?;
     }
     if let Some(late) = args.drills.iter().find(|drill| drill.at_s >= args.seconds) {
         let what =
@@ -149,8 +148,10 @@ fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
     let interrupted = programs::note_interrupts()?;
     let device = SimulatedDevice::start(&args.preset, SCRIPT, args.seconds + DEVICE_LONGER, &args.drills)?;
     let port = format!("serial:{}", device.port);
-    let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record };
+    let viewers = args.view.then(|| format!("unix:{}", model.with_file_name("view").display()));
+    let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record, viewers: viewers.as_deref() };
     let mut host = Host::start(&plan)?;
+    let _window = viewers.as_deref().map(window::beside).transpose()?;
     let heard = listen(&mut host, args, &interrupted);
     let ended = host.child.wait(FAREWELL);
     let words = || format!("{}{}", host.child.last_words(), device.child.last_words());

@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Outcome {
     match (&args.trajectory, running) {
         (None, Some(address)) => along(args, &address),
         (Some(trajectory), _) => offline(args, trajectory),
-        (None, None) => start(&args.session, Some(&args.output)),
+        (None, None) => start(&args.session, Some(&args.output), false),
     }
 }
 

@@ -6,11 +6,13 @@ use haptor_engine::replay::{Verdict, verify};
 use serde_json::{Value, json};
 
 use crate::failure::{Failure, Outcome};
+use crate::looks::playback::Replay;
 use crate::output::say;
 use crate::progress;
 use crate::session::describe;
 use crate::session::recording::{self, Recording};
 use crate::session::replay::Player;
+use crate::window;
 
 /// Shows what a recording holds; with --verify computes its contact again and compares every bit.
 ///
@@ -18,7 +20,8 @@ use crate::session::replay::Player;
 /// when one differs (its tick and field are named, with both values) or when there is none to compute. Damage is no difference: what is whole is verified, and what was
 /// lost is said. After a damaged place ticks cannot be verified until the next `Rest` in the file, because what the core remembered there is unknown.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: haptor replay session.haptor --verify")]
+#[command(after_help = "Example: haptor replay session.haptor --verify\n\
+                        In the window: haptor replay session.haptor --view")]
 pub struct Args {
     /// The recording
     file: PathBuf,
@@ -28,6 +31,9 @@ pub struct Args {
     /// Show the contact at this time of the session [s], computed again: every region with its wrench
     #[arg(long, value_name = "T_S", conflicts_with = "verify")]
     at: Option<f64>,
+    /// Look at it in the window: play it, hold it, wind it
+    #[arg(long, conflicts_with_all = ["verify", "at", "json"])]
+    view: bool,
     /// For programs: JSON on standard output
     #[arg(long)]
     json: bool,
@@ -41,6 +47,9 @@ pub fn run(args: &Args) -> Outcome {
     if args.verify {
         return check(args);
     }
+    if args.view {
+        return look(args);
+    }
     let recording = Recording::open(&args.file)?;
     if let Some(at) = args.at {
         return show(args, recording, at);
@@ -51,6 +60,17 @@ pub fn run(args: &Args) -> Outcome {
         say(describe::table(&recording).trim_end());
     }
     Ok(())
+}
+
+/// The recording in the window.
+fn look(args: &Args) -> Outcome {
+    window::check()?;
+    let name = args.file.display().to_string();
+    let recording = Recording::open(&args.file)?;
+    let bar = progress::bar(recording.ticks.len() as u64, "computing again");
+    let replay = Replay::new(recording, &name, |ticks| bar.set_position(ticks as u64));
+    bar.finish_and_clear();
+    window::show(Box::new(replay?), &name)
 }
 
 /// The contact at a time.

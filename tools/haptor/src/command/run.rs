@@ -14,6 +14,7 @@ use crate::programs::{self, Child};
 use crate::scene::Scene;
 use crate::session::device::SimulatedDevice;
 use crate::session::host::PATIENCE;
+use crate::window;
 
 /// Starts the real-time host with a scene, on a simulated or a real device.
 ///
@@ -28,6 +29,9 @@ pub struct Args {
     /// Recording to write
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Show the session in the window; it closes with the session
+    #[arg(long)]
+    view: bool,
 }
 
 /// A session with a device.
@@ -78,11 +82,14 @@ const LONGEST_S: f64 = 999_990.0;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
-    start(&args.session, args.record.as_deref())
+    if args.view {
+        window::check()?;
+    }
+    start(&args.session, args.record.as_deref(), args.view)
 }
 
-/// Runs a session to its end, recording it where asked.
-pub fn start(args: &Session, record: Option<&Path>) -> Outcome {
+/// Runs a session to its end, recorded and shown where asked.
+pub fn start(args: &Session, record: Option<&Path>, view: bool) -> Outcome {
     let chosen = Chosen::new(args, Config::load()?)?;
     let scene = Scene::load(&args.scene)?;
     let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
@@ -101,14 +108,18 @@ pub fn start(args: &Session, record: Option<&Path>) -> Outcome {
     if let Some(record) = record {
         command.arg("--record").arg(record);
     }
-    if let Some(address) = &args.viewer {
-        command.args(["--viewer", &address.to_string()]);
+    let own = view.then(|| format!("unix:{}", work.path().join("view").display()));
+    let viewers = args.viewer.as_ref().map(ToString::to_string).or(own);
+    if let Some(address) = &viewers {
+        command.args(["--viewer", address]);
     }
     if let (Some(_), Some(file)) = (&args.viewer, &args.token_file) {
         command.arg("--token-file").arg(file);
     }
     let interrupted = programs::note_interrupts()?;
-    let status = Child::attached(&mut command)?.wait_for_end(&interrupted);
+    let mut host = Child::attached(&mut command)?;
+    let _window = viewers.filter(|_| view).map(|address| window::beside(&address)).transpose()?;
+    let status = host.wait_for_end(&interrupted);
     match status.code() {
         Some(0) => Ok(()),
         Some(1) => Err(Failure::problem("the session failed; haptor-host says why above")),

@@ -1,7 +1,9 @@
-//! `haptor view`: one picture of a scene, drawn without a display.
+//! `haptor view`: the window on a running host, the same in lines of text, and one picture of a scene drawn without a display.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use haptor_viewer::feed::{Displacement, Frame, Mode, Pose, Region, Stage, Wrench};
 use haptor_viewer::picture::{ColourBy, Settings};
@@ -10,14 +12,19 @@ use haptor_wire::{BakedScene, Deformation};
 
 use super::watch::watch;
 use crate::client::Address;
+use crate::client::{Viewer, address};
 use crate::failure::{Failure, Outcome};
+use crate::looks::live::Live;
 use crate::output;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::surface;
 use crate::trajectory::{self, Row};
+use crate::window;
 
-/// Draws a picture of a scene: object, deformed and coloured by how far its surface moved or by the pressure on it; probe, contact regions
+/// Shows a running host in a window: the deforming object, the probe, what is felt, plots, and the keys and buttons to steer it.
+///
+/// With --shot draws a picture of a scene instead, without a display: object, deformed and coloured by how far its surface moved or by the pressure on it; probe, contact regions
 /// (blue core that sticks, orange ring that slips), force (red) and torque (violet), with a legend.
 ///
 /// Without a trajectory the probe hovers 5 mm above the object; with one it is where the trajectory has it at the first row with
@@ -26,22 +33,25 @@ use crate::trajectory::{self, Row};
 #[command(after_help = "Example: haptor view --shot twist.png --scene tests/scenes/cube-twist.toml \
                         --trajectory tests/scenes/cube-twist.csv --at 1.2")]
 pub struct Args {
-    /// Address of a running host to look at, HOST:PORT or unix:PATH; with --text (the window is not in this build)
+    /// Address of a running host that lets viewers in (started with --viewer), HOST:PORT or unix:PATH [default: 127.0.0.1:21278]
     addr: Option<Address>,
-    /// Follow the host in lines of text, two a second; it must have been started with --viewer [default address: 127.0.0.1:21278]
+    /// Follow the host in lines of text, two a second, instead of in the window
     #[arg(long, conflicts_with = "shot")]
     text: bool,
     /// How long to follow it [s]; until its session ends when not given
     #[arg(long, requires = "text", value_parser = super::run::seconds)]
     seconds: Option<f64>,
     /// File with the host's token; HAPTOR_TOKEN of the environment when not given
-    #[arg(long, value_name = "FILE", requires = "text")]
+    #[arg(long, value_name = "FILE", conflicts_with = "shot")]
     token_file: Option<PathBuf>,
+    /// How long to wait for a host that is about to start [s]
+    #[arg(long, value_name = "S", default_value = "0", conflicts_with_all = ["shot", "text"], value_parser = clap::value_parser!(u64).range(0..=600))]
+    wait: u64,
     /// Picture to draw (PNG)
-    #[arg(long, value_name = "FILE.png", requires = "scene")]
+    #[arg(long, value_name = "FILE.png", requires = "scene", conflicts_with = "addr")]
     shot: Option<PathBuf>,
     /// Scene file (TOML)
-    #[arg(long)]
+    #[arg(long, requires = "shot")]
     scene: Option<PathBuf>,
     /// Trajectory file (CSV)
     #[arg(long, value_name = "CSV", requires = "shot")]
@@ -60,19 +70,41 @@ pub struct Args {
     orbit: Option<View>,
 }
 
+/// Time between two attempts to connect to a host that is about to start.
+const TRY_EVERY: Duration = Duration::from_millis(100);
+
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
     if args.text {
         return watch(&args.addr.clone().unwrap_or_default(), args.token_file.as_deref(), args.seconds);
     }
-    let (Some(shot), Some(scene)) = (&args.shot, &args.scene) else {
-        return Err(Failure::bad_input(
-            "the window is not in this build; draw a picture with --shot FILE.png --scene SCENE, or follow a host with --text",
-        ));
-    };
-    if args.addr.is_some() {
-        return Err(Failure::bad_input("give an address or --shot, not both"));
+    match (&args.shot, &args.scene) {
+        (Some(shot), Some(scene)) => picture(args, shot, scene),
+        _ => look(args),
     }
+}
+
+/// The window on a running host.
+fn look(args: &Args) -> Outcome {
+    window::check()?;
+    let (address, token) = (args.addr.clone().unwrap_or_default(), address::token(args.token_file.as_deref())?);
+    let until = Instant::now() + Duration::from_secs(args.wait);
+    let viewer = loop {
+        match Viewer::connect(address.clone(), token) {
+            Ok(viewer) => break viewer,
+            Err(error) if !error.is_lost_connection() || Instant::now() >= until => {
+                return Err(Failure::problem(error));
+            }
+            Err(_) => thread::sleep(TRY_EVERY),
+        }
+    };
+    let name = address.to_string();
+    let source = Live::new(viewer, name.clone()).map_err(anyhow::Error::from)?;
+    window::show(Box::new(source), &name)
+}
+
+/// One picture.
+fn picture(args: &Args, shot: &Path, scene: &Path) -> Outcome {
     let name = scene.display().to_string();
     let scene = Scene::load(scene)?;
     let baked = scene.bake().map_err(|what| Failure::bad_input(format!("{name}: {what}")))?;

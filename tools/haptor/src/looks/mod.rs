@@ -6,6 +6,7 @@
 //! recording ──► playback ───┴──► haptor_viewer::feed::Source ──► the window
 //! ```
 
+pub mod live;
 pub mod playback;
 mod stage;
 mod words;

@@ -234,3 +234,60 @@ fn sample(record: &TickRecord, time: f64) -> Sample {
         step_us: f64::from(record.step_ns) / 1.0e3,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    use crate::command::bake::bake;
+    use crate::scene::Scene;
+    use crate::session::offline;
+    use crate::trajectory;
+
+    /// The ball on the cube, pressed, twisted, slid.
+    fn replay() -> Replay {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
+        let folder = tempfile::tempdir().unwrap();
+        let (model, file) = (folder.path().join("model"), folder.path().join("recording"));
+        bake(&Scene::load(&scenes.join("cube-twist.toml")).unwrap(), "scene", &model).unwrap();
+        let rows = trajectory::load(&scenes.join("cube-twist.csv")).unwrap();
+        std::fs::write(&file, offline::record(&std::fs::read(&model).unwrap(), &rows[..1000], 1000).unwrap()).unwrap();
+        Replay::new(Recording::read(&file).unwrap(), "test", |_| {}).unwrap()
+    }
+
+    #[test]
+    fn a_recording_is_held_wound_and_played() {
+        let mut replay = replay();
+        let news = replay.poll(Duration::ZERO);
+        assert!(news.stage.is_some() && news.samples.len() == 1);
+        assert_eq!(news.frame.unwrap().time, 0.0);
+
+        replay.send(Command::Seek(0.6));
+        let news = replay.poll(Duration::from_millis(20));
+        let frame = news.frame.unwrap();
+        assert!(news.stage.is_none() && (frame.time - 0.6).abs() < 2.0e-3, "{}", frame.time);
+        assert!(frame.regions.len() == 1 && frame.contact.force.z > 10.0);
+        let deepest = frame.displacement.as_ref().unwrap().moved.iter().fold(0.0_f32, |most, u| most.max(u.length()));
+        assert!((5.0e-4..2.0e-3).contains(&deepest), "{deepest}");
+        assert!((590..=601).contains(&news.samples.len()), "{}", news.samples.len());
+
+        // a jump back brings the past of where it lands
+        replay.send(Command::Seek(0.1));
+        let news = replay.poll(Duration::from_millis(40));
+        assert!((100..=102).contains(&news.samples.len()), "{}", news.samples.len());
+        assert!(news.frame.unwrap().time < 0.11);
+
+        replay.send(Command::Speed(2.0));
+        replay.send(Command::Play(true));
+        let news = replay.poll(Duration::from_millis(90));
+        let frame = news.frame.unwrap();
+        assert!((frame.time - 0.2).abs() < 5.0e-3, "{}", frame.time);
+        assert!(matches!(frame.mode, Mode::Replaying(playback) if playback.playing && playback.speed == 2.0));
+        assert!((95..=105).contains(&news.samples.len()), "{}", news.samples.len());
+
+        // it stops at its end
+        let frame = replay.poll(Duration::from_secs(60)).frame.unwrap();
+        assert!(matches!(frame.mode, Mode::Replaying(playback) if !playback.playing && playback.at == playback.end));
+    }
+}

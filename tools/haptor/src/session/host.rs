@@ -35,6 +35,8 @@ pub struct Plan<'a> {
     pub seconds: f64,
     /// The recording to write.
     pub record: &'a Path,
+    /// Where viewers come in, if they may.
+    pub viewers: Option<&'a str>,
 }
 
 /// A running host.
@@ -60,6 +62,9 @@ impl Host {
             .args(PATIENCE)
             .arg("--record")
             .arg(plan.record);
+        if let Some(address) = plan.viewers {
+            command.args(["--viewer", address]);
+        }
         let mut child = Child::start(&mut command)?;
         let (send, messages) = mpsc::channel();
         if let Some(mut output) = child.stdout() {

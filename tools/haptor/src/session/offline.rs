@@ -6,7 +6,7 @@ use haptor_engine::replay::{Follower, Step, answered};
 use haptor_wire::frame::encode_stream;
 use haptor_wire::recording::{Chunk, FRAME_MAX};
 use haptor_wire::schema::TOOL_TABLE;
-use haptor_wire::{PROTOCOL_VERSION, Place, Record, RecordHeader, TOOL_SCHEMA_HASH, TickRecord, Tuning, scene_file};
+use haptor_wire::{PROTOCOL_VERSION, Place, Record, RecordHeader, Summary, TOOL_SCHEMA_HASH, TickRecord, Tuning, scene_file};
 
 use crate::trajectory::Row;
 
@@ -46,13 +46,17 @@ pub fn record(scene: &[u8], rows: &[Row], rate_hz: u32) -> Result<Vec<u8>, Strin
         engine.with(|engine| follower.take(engine, &record));
         sheet.add(&record)?;
     }
+    let mut summary = Summary::default();
     for row in rows {
         let asked = tick(row, rows, rate_hz)?;
-        match engine.with(|engine| follower.take(engine, &Record::Tick(asked))) {
-            Step::Felt(felt, _) => sheet.add(&Record::Tick(answered(&asked, &felt)))?,
-            Step::Noted | Step::Idle => return Err(format!("the pose at t = {} is none", row.written_t)),
-        }
+        let Step::Felt(felt, _) = engine.with(|engine| follower.take(engine, &Record::Tick(asked))) else {
+            return Err(format!("the pose at t = {} is none", row.written_t));
+        };
+        let ticked = answered(&asked, &felt);
+        sheet.add(&Record::Tick(ticked))?;
+        sum_up(&mut summary, &ticked);
     }
+    sheet.add(&Record::End(summary))?;
     Ok(sheet.frames)
 }
 
@@ -67,6 +71,14 @@ fn header(scene: &[u8], rate_hz: u32) -> Result<RecordHeader, String> {
         schema_bytes: TOOL_TABLE.len() as u32,
         scene_bytes: u32::try_from(scene.len()).map_err(|_| "the baked scene is longer than 4 GB")?,
     })
+}
+
+/// Every tick is in time: nobody waits for it.
+fn sum_up(summary: &mut Summary, tick: &TickRecord) {
+    let magnitude = |v: [f32; 3]| Vec3::from_array(v).length();
+    (summary.ticks, summary.in_time) = (summary.ticks + 1, summary.in_time + 1);
+    summary.peak_force = summary.peak_force.max(magnitude(tick.contact_force));
+    summary.peak_torque = summary.peak_torque.max(magnitude(tick.contact_torque));
 }
 
 /// What goes into a tick.

@@ -19,5 +19,5 @@ pub use batch::{Batch, Colour, Paint};
 pub use builder::{Builder, LAYERS, Layer, Picture};
 pub use legend::{Bar, Legend, Row, Sign};
 pub use mako::MAKO;
-pub use quantity::{Quantity, Unit, figure};
+pub use quantity::{Quantity, Unit, decimals, figure, round_step};
 pub use settings::{ColourBy, Settings};

@@ -37,6 +37,10 @@ impl Profile {
     /// of a thin body may be.
     pub fn at(&self, point: Vec3) -> f32 {
         let away = point - self.centre;
+        // most points are far away: no root for them
+        if away.length_squared() > 2.0 * self.radius * self.radius {
+            return 0.0;
+        }
         let height = away.dot(self.normal);
         let r = (away - height * self.normal).length();
         if height.abs() > self.radius || r >= self.radius { 0.0 } else { self.at_share(r / self.radius) }

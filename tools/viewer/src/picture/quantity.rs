@@ -23,7 +23,7 @@ pub struct Unit {
 }
 
 impl Quantity {
-    /// The unit in which `most` (SI) has one to three figures before the point, as far as there is one.
+    /// The unit in which `most` (SI) has one to three figures before the point, as far as there is one; for zero the largest.
     pub fn unit(self, most: f64) -> Unit {
         let units: &[(&'static str, f64)] = match self {
             Self::Length => &[("m", 1.0), ("mm", 1.0e3), ("\u{b5}m", 1.0e6)],
@@ -31,7 +31,7 @@ impl Quantity {
             Self::Force => &[("N", 1.0), ("mN", 1.0e3)],
             Self::Torque => &[("N\u{b7}m", 1.0), ("mN\u{b7}m", 1.0e3), ("\u{b5}N\u{b7}m", 1.0e6)],
         };
-        let fits = units.iter().find(|(_, per_si)| most * per_si >= 0.999);
+        let fits = units.iter().find(|(_, per_si)| most == 0.0 || most * per_si >= 0.999);
         let &(name, per_si) = fits.unwrap_or(&units[units.len() - 1]);
         Unit { name, per_si }
     }
@@ -84,13 +84,16 @@ fn decade(value: f64) -> f64 {
     decade
 }
 
+/// Values come from single precision: what is above a round end by its rounding alone has that end.
+const SINGLE: f64 = 1.0e-6;
+
 /// The least round number from `value` up, and a round step that divides it into 3 to 6. (1, 0.2) for what is not above zero.
 pub fn round_end(value: f64) -> (f64, f64) {
     if !(value.is_finite() && value > f64::MIN_POSITIVE) {
         return ENDS[0];
     }
     let decade = decade(value);
-    let fits = ENDS.iter().find(|(end, _)| end * decade >= value * (1.0 - 1.0e-9));
+    let fits = ENDS.iter().find(|(end, _)| end * decade >= value * (1.0 - SINGLE));
     fits.map_or((10.0 * decade, 2.0 * decade), |&(end, step)| (end * decade, step * decade))
 }
 
@@ -130,11 +133,16 @@ pub fn round_rung(value: f64, up: i32) -> f64 {
     rung
 }
 
+/// Places behind the point that figures `step` apart need, up to 9.
+pub fn decimals(step: f64) -> usize {
+    (0..9).find(|&places| step * 10.0_f64.powi(places) >= 0.999).unwrap_or(9) as usize
+}
+
 /// A scale from zero to `end`, as shares and words of its ticks in `unit`.
 pub fn ticks(end: f64, step: f64, unit: Unit) -> Vec<(f64, String)> {
     let count = (end / step + 1.0e-6).floor().max(1.0) as u32;
     let shown = step * unit.per_si;
-    let decimals = (0..9).find(|&decimals| shown * 10.0_f64.powi(decimals) >= 0.999).unwrap_or(9) as usize;
+    let decimals = decimals(shown);
     (0..=count).map(|k| ((f64::from(k) * step / end).min(1.0), format!("{:.decimals$}", f64::from(k) * shown))).collect()
 }
 
@@ -152,7 +160,7 @@ mod tests {
             (Quantity::Length, 0.01, "10.0 mm"),
             (Quantity::Length, 3.0e-6, "3.00 \u{b5}m"),
             (Quantity::Pressure, 4.2e5, "420 kPa"),
-            (Quantity::Pressure, 0.0, "0 Pa"),
+            (Quantity::Pressure, 0.0, "0 MPa"),
         ];
         for (quantity, value, words) in table {
             assert_eq!(quantity.words(value), words);

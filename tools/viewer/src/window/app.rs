@@ -64,6 +64,10 @@ impl App {
         for action in keys::pressed(ui.ctx(), self.playback().is_some()) {
             self.act(action);
         }
+        // also of an old moment: settings may have changed
+        if let Some(frame) = &self.frame {
+            self.scene.build(frame, &self.settings);
+        }
         egui::Panel::top("state").show(ui, |ui| state::show(ui, self));
         if self.playback().is_some() {
             egui::Panel::bottom("playback").show(ui, |ui| playback::show(ui, self));
@@ -81,9 +85,8 @@ impl App {
             self.history.clear();
             self.frame = None;
         }
-        if let Some(frame) = news.frame {
-            self.scene.build(&frame, &self.settings);
-            self.frame = Some(frame);
+        if news.frame.is_some() {
+            self.frame = news.frame;
         }
         news.samples.into_iter().for_each(|sample| self.history.push(sample));
         self.events.extend(news.events);
@@ -129,9 +132,6 @@ impl App {
             Action::Top => self.scene.aim(Aim::Top),
             Action::Help => self.help = !self.help,
             Action::Play | Action::Back | Action::On | Action::Slower | Action::Faster => self.wind(action),
-        }
-        if let Some(frame) = self.frame.clone() {
-            self.scene.build(&frame, &self.settings);
         }
     }
 

@@ -23,7 +23,7 @@ pub fn show(ui: &mut egui::Ui, app: &mut App) {
     show_stop(ui, app);
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         show_session(ui, app);
-        section(ui, "Colours", true, |ui| show_colours(ui, app));
+        section(ui, &format!("Colours ({})", Action::Colours.key()), true, |ui| show_colours(ui, app));
         section(ui, "Arrows and probe", true, |ui| show_signs(ui, app));
         section(ui, "View", true, |ui| show_views(ui, app));
         section(ui, "Regions", true, |ui| show_regions(ui, app));
@@ -56,7 +56,8 @@ fn show_stop(ui: &mut egui::Ui, app: &mut App) {
     let fill = if replay { Color32::from_rgb(52, 57, 66) } else { Color32::from_rgb(200, 24, 24) };
     let size = if replay { 14.0 } else { 22.0 };
     let button = Button::new(RichText::new(words).size(size).strong().color(Color32::WHITE)).fill(fill);
-    let stop = ui.add_enabled(!replay, button.min_size(vec2(ui.available_width(), E_STOP)));
+    let size = vec2(ui.available_width(), E_STOP);
+    let stop = ui.vertical_centered(|ui| ui.add_enabled(!replay, button.min_size(size))).inner;
     if stop.on_hover_text(Action::EStop.binding().words).clicked() {
         app.act(Action::EStop);
     }
@@ -86,7 +87,7 @@ fn show_colours(ui: &mut egui::Ui, app: &mut App) {
     let mut by = app.settings.colour_by;
     ui.horizontal(|ui| {
         for choice in ColourBy::ALL {
-            ui.radio_value(&mut by, choice, choice.name());
+            ui.selectable_value(&mut by, choice, choice.name());
         }
     });
     if by != app.settings.colour_by {
@@ -135,8 +136,8 @@ fn show_regions(ui: &mut egui::Ui, app: &App) {
         ui.label(faint("no contact"));
         return;
     }
-    Grid::new("regions").num_columns(4).spacing(vec2(12.0, 2.0)).show(ui, |ui| {
-        for title in ["", "force [N]", "radius [mm]", "sticks [%]"] {
+    Grid::new("regions").num_columns(4).spacing(vec2(8.0, 2.0)).show(ui, |ui| {
+        for title in ["", "force [N]", "radius [mm]", "stick [%]"] {
             ui.label(faint(title).small());
         }
         ui.end_row();

@@ -5,8 +5,17 @@ use eframe::egui::{self, Align2, Grid, RichText, vec2};
 use super::keys::{BINDINGS, MOUSE, When};
 use super::style::faint;
 
-/// The parts of the list.
-const PARTS: [(When, &str); 3] = [(When::Live, "Live session"), (When::Replay, "Recording"), (When::Always, "Picture")];
+/// A part of the list, with its title.
+enum Part {
+    Keys(When, &'static str),
+    Mouse(&'static str),
+}
+
+/// The list, side by side: one column would be higher than a small screen.
+const COLUMNS: [&[Part]; 2] = [
+    &[Part::Keys(When::Live, "Live session"), Part::Keys(When::Replay, "Recording"), Part::Mouse("Mouse over the picture")],
+    &[Part::Keys(When::Always, "Picture")],
+];
 
 /// The rows of a part: keys and what they do.
 pub fn rows(when: When) -> Vec<(String, &'static str)> {
@@ -17,19 +26,29 @@ pub fn rows(when: When) -> Vec<(String, &'static str)> {
 pub fn show(context: &egui::Context, open: &mut bool) {
     let window = egui::Window::new("Keys and mouse").open(open).collapsible(false).resizable(false);
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(context, |ui| {
-        Grid::new("keys").num_columns(2).spacing(vec2(24.0, 4.0)).show(ui, |ui| {
-            for (when, title) in PARTS {
-                heading(ui, title);
-                for (keys, words) in rows(when) {
-                    row(ui, &keys, words);
-                }
-            }
-            heading(ui, "Mouse over the picture");
-            for (hand, words) in MOUSE {
-                row(ui, hand, words);
+        ui.horizontal_top(|ui| {
+            for (number, parts) in COLUMNS.iter().enumerate() {
+                ui.add_space(if number > 0 { 28.0 } else { 0.0 });
+                Grid::new(number)
+                    .num_columns(2)
+                    .spacing(vec2(20.0, 4.0))
+                    .show(ui, |ui| parts.iter().for_each(|part| show_part(ui, part)));
             }
         });
     });
+}
+
+fn show_part(ui: &mut egui::Ui, part: &Part) {
+    match *part {
+        Part::Keys(when, title) => {
+            heading(ui, title);
+            rows(when).iter().for_each(|(keys, words)| row(ui, keys, words));
+        }
+        Part::Mouse(title) => {
+            heading(ui, title);
+            MOUSE.iter().for_each(|(hand, words)| row(ui, hand, words));
+        }
+    }
 }
 
 fn heading(ui: &mut egui::Ui, title: &str) {
@@ -50,7 +69,11 @@ mod tests {
 
     #[test]
     fn the_list_is_the_table() {
-        let listed: Vec<_> = PARTS.iter().flat_map(|(when, _)| rows(*when)).collect();
+        let listed = COLUMNS.iter().copied().flatten().flat_map(|part| match part {
+            Part::Keys(when, _) => rows(*when),
+            Part::Mouse(_) => Vec::new(),
+        });
+        let listed: Vec<_> = listed.collect();
         assert_eq!(listed.len(), BINDINGS.len());
         for binding in &BINDINGS {
             assert!(listed.contains(&(binding.action.keys(), binding.words)), "{:?} is not listed", binding.action);

@@ -137,8 +137,8 @@ fn sign(key: Key) -> &'static str {
     match key {
         Key::OpenBracket => "[",
         Key::CloseBracket => "]",
-        Key::ArrowLeft => "\u{2190}",
-        Key::ArrowRight => "\u{2192}",
+        Key::ArrowLeft => "Left",
+        Key::ArrowRight => "Right",
         Key::Minus => "-",
         key => key.symbol_or_name(),
     }

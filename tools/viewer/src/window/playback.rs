@@ -17,8 +17,8 @@ pub fn show(ui: &mut egui::Ui, app: &mut App) {
     ui.horizontal(|ui| {
         let play = if playback.playing { "\u{23f8} Hold" } else { "\u{25b6} Play" };
         act(ui, app, Action::Play, &format!("{play} ({})", Action::Play.key()), 110.0);
-        act(ui, app, Action::Back, Action::Back.key(), 26.0);
-        act(ui, app, Action::On, Action::On.key(), 26.0);
+        act(ui, app, Action::Back, "\u{2212}1 tick", 52.0);
+        act(ui, app, Action::On, "+1 tick", 52.0);
         let mut at = playback.at;
         ui.spacing_mut().slider_width = (ui.available_width() - RIGHT).max(60.0);
         let bar = egui::Slider::new(&mut at, 0.0..=playback.end).show_value(false).trailing_fill(true);

@@ -1,6 +1,6 @@
 //! The line at the top: what the session is doing, and what is wrong with it.
 
-use eframe::egui::{self, Color32, CornerRadius, Margin, RichText};
+use eframe::egui::{self, Align, Color32, CornerRadius, Layout, Margin, RichText};
 
 use super::app::App;
 use super::keys::Action;
@@ -16,20 +16,21 @@ pub fn show(ui: &mut egui::Ui, app: &mut App) {
     let stage = app.scene.stage();
     ui.add_space(3.0);
     ui.horizontal(|ui| {
-        show_mode(ui, app.mode());
-        if frame.as_ref().is_some_and(|frame| frame.recording) {
-            badge(ui, "\u{25cf} REC", style::BAD);
-        }
-        if let Some(stage) = &stage {
-            ui.label(RichText::new(&stage.name).strong());
-        }
-        if let (Some(frame), Some(stage)) = (&frame, &stage) {
-            show_figures(ui, frame, stage);
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        // from the right first: whatever is long on the left is cut, the button is not
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if ui.button(format!("Help ({})", Action::Help.key())).clicked() {
                 app.help = !app.help;
             }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                show_mode(ui, app.mode());
+                if let (Some(frame), Some(stage)) = (&frame, &stage) {
+                    if frame.recording {
+                        badge(ui, "\u{25cf} REC", style::BAD);
+                    }
+                    ui.label(RichText::new(&stage.name).strong());
+                    show_figures(ui, frame, stage);
+                }
+            });
         });
     });
     ui.add_space(1.0);
@@ -65,8 +66,8 @@ fn figure(ui: &mut egui::Ui, name: &str, value: String) -> egui::Response {
 
 fn show_figures(ui: &mut egui::Ui, frame: &Frame, stage: &Stage) {
     ui.add_space(5.0);
-    figure(ui, "tick", frame.tick.to_string());
-    figure(ui, "time", format!("{:.2} s", frame.time));
+    figure(ui, "tick", format!("{:>6}", frame.tick));
+    figure(ui, "time", format!("{:>7.2} s", frame.time));
     if stage.period > 0.0 {
         figure(ui, "rate", format!("{:.0} Hz", 1.0 / stage.period)).on_hover_text("ticks a second, as set");
     }
@@ -80,8 +81,8 @@ fn show_figures(ui: &mut egui::Ui, frame: &Frame, stage: &Stage) {
         let shown = ui.label(RichText::new(format!("{:.2} %", 100.0 * in_time)).monospace().color(colour));
         shown.on_hover_text("share of the ticks whose wrench left within their period; 95 % and more is good");
         ui.add_space(5.0);
-        figure(ui, "step", format!("{step_us:.0} \u{b5}s")).on_hover_text("what the last step of the core took");
-        figure(ui, "woke", format!("{wake_us:.0} \u{b5}s")).on_hover_text("how late the thread woke for the last tick");
+        figure(ui, "step", format!("{step_us:>4.0} \u{b5}s")).on_hover_text("what the last step of the core took");
+        figure(ui, "woke", format!("{wake_us:>4.0} \u{b5}s")).on_hover_text("how late the thread woke for the last tick");
     }
     figure(ui, "tier", frame.tier.clone());
     match frame.flags.as_slice() {

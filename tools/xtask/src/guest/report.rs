@@ -13,7 +13,8 @@ pub struct Report {
 }
 
 const SESSIONS: &str = "\
-| device | ticks | late | reports lost | round trip p50 / p99 / max \\[us\\] | wake-up | step of the core | instructions of the real-time thread a tick \\[1000\\] | peak force \\[N\\] |
+| device | ticks | late | reports lost | round trip p50 / p99 / max \\[us\\] | wake-up | step of the core | \
+instructions of the real-time thread a tick \\[1000\\] | peak force \\[N\\] |
 |---|---|---|---|---|---|---|---|---|
 ";
 
@@ -66,13 +67,15 @@ impl Report {
     pub fn document(&self, kernel: &str, seconds: f64) -> String {
         format!(
             "# Sessions and drills over USB in a real-time guest\n\n\
-             Written by `cargo xtask guest --drills --seconds {seconds} --accept`. Debian's kernel {kernel} in QEMU with one processor; every instruction takes \
-             2 ns, so a\ntime is a count of instructions and says nothing of hardware. The simulated device is plugged into the kernel's virtual USB, which knows no \
-             polling\nintervals: interrupt and bulk endpoints cost the same there. `usb` = interrupt endpoints, `usb-bulk` = bulk ones. The round trip is from a wrench \
-             to the\nreport that echoes it; the device reports once a millisecond.\n\n\
-             A tick is 1 ms. Every drill begins while the hand presses, 1.1 s after forces were armed; ticks count from there. For every fault the command \
-             checks:\nlatched under that name, zero within the stated ticks and until the hand has come out, opened again only under 0.1 N, black box whole and ending with \
-             the\nfault, no file left open, no memory kept, nothing hangs.\n\n{}",
+             Written by `cargo xtask guest --drills --seconds {seconds} --accept`. Debian's kernel {kernel} in QEMU with one \
+             processor; every instruction takes 2 ns, so a\ntime is a count of instructions and says nothing of hardware. \
+             The simulated device is plugged into the kernel's virtual USB, which knows no polling\nintervals: interrupt \
+             and bulk endpoints cost the same there. `usb` = interrupt endpoints, `usb-bulk` = bulk ones. The round trip \
+             is from a wrench to the\nreport that echoes it; the device reports once a millisecond.\n\n\
+             A tick is 1 ms. Every drill begins while the hand presses, 1.1 s after forces were armed; ticks count from \
+             there. For every fault the command checks:\nlatched under that name, zero within the stated ticks and until \
+             the hand has come out, opened again only under 0.1 N, black box whole and ending with the\nfault, no file \
+             left open, no memory kept, nothing hangs.\n\n{}",
             self.tables().trim_end().to_owned() + "\n"
         )
     }
