@@ -83,6 +83,7 @@ pub mod tuning;
 pub mod units;
 pub mod usb;
 pub mod viewer;
+pub mod viewer_ask;
 pub mod viewer_look;
 
 #[cfg(test)]
@@ -120,7 +121,8 @@ pub use units::{
     unm_to_newton_metres,
 };
 pub use viewer::{
-    Ask, Denial, Denied, FromViewer, Limits, RecordBytes, Refusal, RefusalCause, RestBegin, RestPoints, RestState, SceneBytes,
-    SceneNow, Subscription, ToViewer, UploadBegin, UploadChunk, UploadState, ViewerHello, Welcome, Wish,
+    FromViewer, Limits, RecordBytes, Refusal, RefusalCause, RestBegin, RestPoints, RestState, SceneBytes, SceneNow, Subscription,
+    ToViewer, UploadBegin, UploadChunk, UploadState, ViewerHello, Welcome,
 };
+pub use viewer_ask::{Ask, Denial, Denied, Wish};
 pub use viewer_look::{OutputState, PatchLook, Snapshot, Statistics, SurfaceBlock};
