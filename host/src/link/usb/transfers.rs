@@ -195,7 +195,7 @@ impl Transfers {
     /// Sends a packet unless those before it are still on their way; never waits.
     ///
     /// # Errors
-    /// [`LinkError::Full`] when they are, [`LinkError::Closed`] when the device is gone.
+    /// [`LinkError::Full`] when they are, [`LinkError::Closed`] when one of them came back badly.
     pub fn send(&mut self, packet: &[u8; PACKET_BYTES]) -> Result<(), LinkError> {
         if self.bringing[self.free].is_on_its_way() {
             self.look(Duration::ZERO);
@@ -205,6 +205,9 @@ impl Transfers {
                 self.bringing.iter().for_each(Transfer::withdraw);
             }
             return Err(LinkError::Full);
+        }
+        if !self.is_well() {
+            return Err(LinkError::Closed);
         }
         let transfer = &mut self.bringing[self.free];
         *transfer.buffer() = *packet;
