@@ -20,7 +20,7 @@ const SECONDS: f64 = 3.6;
 const BEFORE_S: f64 = 1.0;
 const AFTER_S: f64 = 2.4;
 
-/// Memory by which a host may grow during a drill [kB]: the writer of the black box touches its buffers for the first time.
+/// Memory by which a host may grow during a drill \[kB\]: the writer of the black box touches its buffers for the first time.
 const GROWTH_KB: u64 = 256;
 
 /// Ticks within which the wrench is zero after what the device or the kernel says itself: the drill falls between two reports, the message is a

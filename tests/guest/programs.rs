@@ -82,7 +82,7 @@ pub struct Account {
     pub ran_ns: u64,
     /// Open files.
     pub files: usize,
-    /// Memory held [kB].
+    /// Memory held \[kB\].
     pub memory_kb: u64,
     /// Time since boot \[s\].
     pub uptime_s: f64,
