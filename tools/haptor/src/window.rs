@@ -49,7 +49,6 @@ pub fn show(source: Box<dyn Source>, title: &str) -> Outcome {
 
 /// See [`check`].
 #[cfg(not(feature = "window"))]
-#[expect(clippy::needless_pass_by_value, reason = "as the window takes it")]
 pub fn show(_source: Box<dyn Source>, _title: &str) -> Outcome {
     check()
 }

@@ -118,13 +118,12 @@ impl Connection {
                     bytes += piece.bytes.len() as u64;
                 }
                 Some(ToViewer::End(_)) => break,
-                Some(message) => match ending.and_then(|number| answer(&message, number)) {
-                    Some(done) => {
+                Some(message) => {
+                    if let Some(done) = ending.and_then(|number| answer(&message, number)) {
                         done?;
                         break;
                     }
-                    None => {}
-                },
+                }
                 None => {}
             }
         }

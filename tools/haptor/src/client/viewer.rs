@@ -13,6 +13,7 @@ const RETRY: Duration = Duration::from_millis(500);
 
 /// What a viewer hears.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "a message lives from its coming to its handling, never in a collection")]
 pub enum News {
     /// The host says something.
     Message(ToViewer),
@@ -52,15 +53,15 @@ impl Viewer {
     /// Says what it wants to see, now and on every new connection.
     pub fn subscribe(&mut self, subscription: Subscription) {
         self.subscription = subscription;
-        let said = self.connection.as_ref().map(|connection| connection.subscribe(subscription));
-        self.lost_if(said.and_then(Result::err));
+        if self.connection.as_ref().is_some_and(|connection| connection.subscribe(subscription).is_err()) {
+            self.connection = None;
+        }
     }
 
     /// Says which points are to be watched, now and on every new connection.
     ///
     /// # Errors
     /// [`ClientError::NotTaken`] when the host does not take them.
-    #[allow(dead_code, reason = "for the window, which draws the surface")]
     pub fn watch_points(&mut self, points: Vec<[f32; 3]>) -> Result<(), ClientError> {
         self.points = points;
         let Some(connection) = &mut self.connection else { return Ok(()) };
@@ -74,22 +75,12 @@ impl Viewer {
     }
 
     /// Asks for something; the answer comes among the news. `None` while there is no connection.
-    #[allow(dead_code, reason = "for the window, which has buttons")]
     pub fn ask(&mut self, what: Wish) -> Option<u32> {
-        let asked = self.connection.as_mut()?.ask(what);
-        match asked {
-            Ok(number) => Some(number),
-            Err(error) => {
-                self.lost_if(Some(error));
-                None
-            }
-        }
-    }
-
-    fn lost_if(&mut self, error: Option<ClientError>) {
-        if error.is_some() {
+        let asked = self.connection.as_mut()?.ask(what).ok();
+        if asked.is_none() {
             self.connection = None;
         }
+        asked
     }
 
     /// The next news; `None` when there are none within `wait`.
