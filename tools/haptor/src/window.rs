@@ -24,14 +24,14 @@ pub fn check() -> Outcome {
     Ok(())
 }
 
-/// Starts a window on the host at `address`, in a program of its own: what happens to it does not touch the session. It closes when dropped.
+/// Starts a window called `title` on the host at `address`, in a program of its own: what happens to it does not touch the session. It closes when dropped.
 ///
 /// # Errors
 /// As [`check`], or when the program cannot be started.
-pub fn beside(address: &str) -> Result<Child, Failure> {
+pub fn beside(address: &str, title: &str) -> Result<Child, Failure> {
     check()?;
     let this = std::env::current_exe().context("the path of this program is unknown")?;
-    Ok(Child::attached(Command::new(this).args(["view", address, "--wait", PATIENCE_S]))?)
+    Ok(Child::attached(Command::new(this).args(["view", address, "--title", title, "--wait", PATIENCE_S]))?)
 }
 
 /// How long the window waits for a host that has just been started \[s\].

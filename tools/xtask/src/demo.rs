@@ -12,18 +12,26 @@ use crate::run::{self, cargo, target};
 /// # Errors
 /// When they do not build.
 pub fn build() -> Result<PathBuf> {
+    build_with(&[])
+}
+
+/// As [`build`], with more arguments for cargo.
+fn build_with(more: &[&str]) -> Result<PathBuf> {
     let target = target()?;
     run::run(
         cargo()
             .args(["build", "--release", "-p", "haptor", "-p", "haptor-host", "-p", "haptor-firmware-sim", "--target-dir"])
-            .arg(&target),
+            .arg(&target)
+            .args(more),
     )?;
     Ok(target.join("release"))
 }
 
 /// Builds the three programs in release and runs the demonstration, whose exit code this passes on.
 pub fn run(args: &[String]) -> Result<ExitCode> {
-    let haptor = build()?.join("haptor");
+    // the window takes minutes to build: only for who looks through it
+    let more: &[&str] = if args.iter().any(|arg| arg == "--view") { &["--features", "haptor/window"] } else { &[] };
+    let haptor = build_with(more)?.join("haptor");
     let status = Command::new(&haptor).arg("demo").args(args).status();
     let status = status.with_context(|| format!("{} cannot be started", haptor.display()))?;
     // 255 for an end by a signal, which has no code

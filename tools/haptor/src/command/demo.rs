@@ -151,7 +151,7 @@ fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
     let viewers = args.view.then(|| format!("unix:{}", model.with_file_name("view").display()));
     let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record, viewers: viewers.as_deref() };
     let mut host = Host::start(&plan)?;
-    let _window = viewers.as_deref().map(window::beside).transpose()?;
+    let _window = viewers.as_deref().map(|address| window::beside(address, "demo")).transpose()?;
     let heard = listen(&mut host, args, &interrupted);
     let ended = host.child.wait(FAREWELL);
     let words = || format!("{}{}", host.child.last_words(), device.child.last_words());

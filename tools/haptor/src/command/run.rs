@@ -118,7 +118,8 @@ pub fn start(args: &Session, record: Option<&Path>, view: bool) -> Outcome {
     }
     let interrupted = programs::note_interrupts()?;
     let mut host = Child::attached(&mut command)?;
-    let _window = viewers.filter(|_| view).map(|address| window::beside(&address)).transpose()?;
+    let title = args.scene.display().to_string();
+    let _window = viewers.filter(|_| view).map(|address| window::beside(&address, &title)).transpose()?;
     let status = host.wait_for_end(&interrupted);
     match status.code() {
         Some(0) => Ok(()),

@@ -44,6 +44,9 @@ pub struct Args {
     /// File with the host's token; HAPTOR_TOKEN of the environment when not given
     #[arg(long, value_name = "FILE", conflicts_with = "shot")]
     token_file: Option<PathBuf>,
+    /// Title of the window; the address when not given
+    #[arg(long, conflicts_with_all = ["shot", "text"])]
+    title: Option<String>,
     /// How long to wait for a host that is about to start [s]
     #[arg(long, value_name = "S", default_value = "0", conflicts_with_all = ["shot", "text"], value_parser = clap::value_parser!(u64).range(0..=600))]
     wait: u64,
@@ -98,7 +101,7 @@ fn look(args: &Args) -> Outcome {
             Err(_) => thread::sleep(TRY_EVERY),
         }
     };
-    let name = address.to_string();
+    let name = args.title.clone().unwrap_or_else(|| address.to_string());
     let source = Live::new(viewer, name.clone()).map_err(anyhow::Error::from)?;
     window::show(Box::new(source), &name)
 }

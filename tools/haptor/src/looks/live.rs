@@ -13,7 +13,7 @@ use haptor_viewer::Vec3;
 use haptor_viewer::feed::{
     Command, Displacement, Event, Frame, Mode, News, Pose, Region, Sample, Severity, Source, Stage, Timing, Wrench,
 };
-use haptor_wire::{OutputState, PatchLook, SceneNow, Snapshot, Subscription, SurfaceBlock, ToViewer, Wish};
+use haptor_wire::{OutputState, PatchLook, Snapshot, Subscription, SurfaceBlock, ToViewer, Wish};
 
 use super::stage;
 use super::words::{fault, flag_words, rotation, wide};
@@ -148,7 +148,7 @@ impl Listener {
 
     fn hear(&mut self, message: ToViewer) {
         match message {
-            ToViewer::Scene(scene) => self.set_stage(&scene),
+            ToViewer::Scene(_) => self.set_stage(),
             ToViewer::Snapshot(snapshot) => self.show(&snapshot),
             ToViewer::Surface(block) => {
                 if let Some(whole) = self.surface.take(&block) {
@@ -171,11 +171,8 @@ impl Listener {
         }
     }
 
-    fn set_stage(&mut self, scene: &SceneNow) {
-        let built = self.download().and_then(|file| {
-            let name = format!("{} - {:016x}", self.name, scene.digest);
-            looks(&file, &name, self.rate_hz).map_err(|error| error.to_string())
-        });
+    fn set_stage(&mut self) {
+        let built = self.download().and_then(|file| looks(&file, &self.name, self.rate_hz).map_err(|error| error.to_string()));
         let built = built.and_then(|stage| {
             let points = stage.object.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
             self.viewer.watch_points(points).map_err(|error| error.to_string())?;

@@ -148,7 +148,7 @@ pub enum Mode {
     Disconnected,
     /// Ticks run and the device feels them.
     Running,
-    /// Ticks run on; the picture is held.
+    /// Ticks run on, the force is zero; contact and picture stand.
     Frozen,
     /// The device brakes and feels nothing until it is re-armed.
     Braked,

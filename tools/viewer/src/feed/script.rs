@@ -149,7 +149,7 @@ impl Script {
                 self.tell(Severity::Info, if on { "recording" } else { "recording ended" });
             }
             Command::Freeze(on) => self.frozen = if on { self.shown } else { None },
-            Command::Tare => self.tell(Severity::Info, "wrench taken for zero"),
+            Command::Tare => self.tell(Severity::Info, "probe placed where the scene starts it"),
             Command::EStop => {
                 self.braked = true;
                 self.tell(Severity::Fault, "e-stop: the device brakes");

@@ -58,9 +58,9 @@ pub enum Severity {
 pub enum Command {
     /// Begin or end a recording.
     Record(bool),
-    /// Hold the picture while the session runs on, or let it go.
+    /// Fade the force to zero and let contact and picture stand, or go on.
     Freeze(bool),
-    /// Take the wrench felt now for zero.
+    /// Place the device so that the probe stands where the scene starts it; without contact only.
     Tare,
     /// Release the device to its brake at once.
     EStop,

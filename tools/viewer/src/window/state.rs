@@ -25,7 +25,7 @@ pub fn show(ui: &mut egui::Ui, app: &mut App) {
                 show_mode(ui, app.mode());
                 if let (Some(frame), Some(stage)) = (&frame, &stage) {
                     if frame.recording {
-                        badge(ui, "\u{25cf} REC", style::BAD);
+                        badge(ui, "REC", style::BAD);
                     }
                     ui.label(RichText::new(&stage.name).strong());
                     show_figures(ui, frame, stage);
@@ -48,7 +48,7 @@ fn show_mode(ui: &mut egui::Ui, mode: Mode) {
     let (words, colour) = match mode {
         Mode::Disconnected => ("DISCONNECTED", Color32::from_rgb(96, 102, 112)),
         Mode::Running => ("RUNNING", Color32::from_rgb(20, 120, 90)),
-        Mode::Frozen => ("PICTURE HELD", Color32::from_rgb(0, 98, 156)),
+        Mode::Frozen => ("FROZEN", Color32::from_rgb(0, 98, 156)),
         Mode::Braked => ("BRAKED", Color32::from_rgb(176, 98, 0)),
         Mode::Replaying(playback) if playback.playing => ("REPLAY", Color32::from_rgb(112, 62, 150)),
         Mode::Replaying(_) => ("REPLAY, HELD", Color32::from_rgb(112, 62, 150)),
