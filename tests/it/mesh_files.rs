@@ -308,5 +308,5 @@ fn the_organ_is_pressed_and_baked_for_the_host() {
     let scene = root().join("tests/scenes/organ.toml");
     folder.good(&["bake", scene.to_str().unwrap(), "-o", "organ.model"]);
     let file = fs::read(folder.path().join("organ.model")).unwrap();
-    assert!(decode_file(&file).is_ok() && sections(&file).unwrap().count() == 1);
+    assert!(decode_file(&file).is_ok() && sections(&file).unwrap().count() == 2, "a grid, and a mesh to look at");
 }

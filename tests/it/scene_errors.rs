@@ -102,7 +102,7 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ("radius = 0.02", "radius = 0", &["s.toml:10:", "probe.radius = 0", "1e-6 to 1e2 m"]),
         ("radius = 0.02", "radius = 0.02\nsize = [1, 1, 1]", &["s.toml:11:", "probe.size", "shape sphere"]),
         ("radius = 0.02", "radius = 0.02\nheight = 0.1", &["s.toml:11:", "probe.height", "shape sphere"]),
-        ("shape = \"sphere\"", "shape = \"mesh\"", &["s.toml:8:", "probe.file is missing", "STL file"]),
+        ("shape = \"sphere\"", "shape = \"mesh\"", &["s.toml:8:", "probe.file is missing", "STL, OBJ or PLY file"]),
         ("shape = \"sphere\"", "shape = \"cone\"", &["s.toml:8:", "probe.height is missing"]),
         ("shape = \"sphere\"\nradius = 0.02", "shape = \"compound\"\npart = []", &["s.toml:10:", "probe.part", "1 to 16"]),
         (
