@@ -32,7 +32,11 @@ const EDGE_TICKS: u64 = 300;
 
 fn main() {
     let mut args = std::env::args().skip(1);
-    let minutes: f64 = args.next().and_then(|text| text.parse().ok()).expect("usage: viewer-soak MINUTES [FOLDER]");
+    let minutes = args.next().and_then(|text| text.parse().ok()).filter(|&minutes: &f64| minutes > 0.0 && minutes < 1.0e4);
+    let Some(minutes) = minutes else {
+        eprintln!("usage: viewer-soak MINUTES [FOLDER OF THE PROGRAMS]");
+        std::process::exit(2);
+    };
     let folder = args.next().map_or_else(beside, PathBuf::from);
     let work = tempfile::tempdir().expect("a folder");
     let (model, record) = (work.path().join("scene.model"), work.path().join("session.haptor"));
