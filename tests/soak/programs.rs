@@ -14,7 +14,7 @@ use crate::Failure;
 use crate::ball::ball_on_cube;
 use crate::relay::Dice;
 
-/// Mean time between two restarts of the device [s].
+/// Mean time between two restarts of the device \[s\].
 const RESTART_EVERY_S: u64 = 20;
 
 /// What the device says of itself at its end.

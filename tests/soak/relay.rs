@@ -28,7 +28,7 @@ const DELAY: u64 = 5;
 /// How often a frame begins a stall [1/10000]: every ten seconds or so, counting both ways.
 const STALL: u64 = 1;
 
-/// Longest stall [ms]: the wrench has been held and faded by then, and the device's watchdog may have run out.
+/// Longest stall \[ms\]: the wrench has been held and faded by then, and the device's watchdog may have run out.
 const LONGEST_STALL_MS: u64 = 80;
 
 /// Bytes read at once.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-/// Resident memory may grow by so much over a whole run [kB]: the page or two that a last stack frame or a first fault's message touches.
+/// Resident memory may grow by so much over a whole run \[kB\]: the page or two that a last stack frame or a first fault's message touches.
 const GROWTH_KB: f64 = 256.0;
 
 /// Samples at the start that do not count: a second each; buffers, histograms and the first recovery are touched in them.

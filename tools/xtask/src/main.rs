@@ -1,4 +1,5 @@
 //! Developer commands, one per file: what a laptop runs is what the server runs.
+#![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
 mod ci;
