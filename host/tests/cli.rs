@@ -9,10 +9,7 @@ use std::time::{Duration, Instant};
 
 use haptor_wire::recording::RecordReader;
 use haptor_wire::scene_file::{FILE_MAX, encode_file};
-use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromHost, GuardLimits, HostFault, ObjectShape, Place, ProbePart,
-    ProbeParts, ProbeShape, Record, StreamDecoder, Tier, stream_bound,
-};
+use haptor_wire::{BakedScene, FromHost, HostFault, ObjectShape, Record, StreamDecoder, Tier, stream_bound};
 
 /// A folder of one test, removed at its end.
 struct Folder(PathBuf);
@@ -26,33 +23,7 @@ impl Folder {
 
     /// A baked ball on a half space.
     fn model(&self, tier: Tier) -> String {
-        let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
-        let scene = BakedScene {
-            object: ObjectShape::HalfSpace,
-            fixed_below: 0.0,
-            young_modulus: 3.0e6,
-            poisson_ratio: 0.5,
-            density: 1100.0,
-            compliance: None,
-            probe: ProbeParts::from_slice(&[ball]).unwrap(),
-            mass: 1.0,
-            inertia: None,
-            friction_static: 0.75,
-            friction_dynamic: 0.75,
-            region_distance: 0.004,
-            max_regions: 10,
-            tier,
-            samples: 64,
-            sweeps: 4,
-            deformation: Deformation::Full,
-            coupling: Coupling::Direct,
-            breakaway: Breakaway::Smooth,
-            gravity: false,
-            force_law: ForceLaw::Hertz,
-            guard: GuardLimits::DEVICE_S_OWN,
-            paper_length: 0.1,
-            place: Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
-        };
+        let scene = BakedScene { tier, ..BakedScene::ball_on(ObjectShape::HalfSpace) };
         let mut file = [0; FILE_MAX];
         let n = encode_file(&scene, &mut file).unwrap();
         self.file("good.model", &file[..n])

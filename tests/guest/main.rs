@@ -17,10 +17,7 @@ use std::{env, fs};
 use anyhow::{Context, Result, ensure};
 use haptor_firmware_sim::script::CLEARANCE;
 use haptor_wire::scene_file::{FILE_MAX, encode_file};
-use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, GuardLimits, ObjectShape, Place, ProbePart, ProbeParts, ProbeShape,
-    Quantiles, Tier,
-};
+use haptor_wire::{BakedScene, ObjectShape, Place, Quantiles};
 
 use programs::{Host, Options, Sim, instructions};
 use recording::Recording;
@@ -110,33 +107,8 @@ fn allocations(model: &Path) -> Result<f64> {
 
 /// The ball on the rubber cube, the device so that the ball hovers over the middle of the top.
 fn baked() -> Result<Vec<u8>> {
-    let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
-    let scene = BakedScene {
-        object: ObjectShape::Box { size: [0.1; 3] },
-        fixed_below: 0.0,
-        young_modulus: 3.0e6,
-        poisson_ratio: 0.5,
-        density: 1100.0,
-        compliance: None,
-        probe: ProbeParts::from_slice(&[ball]).context("one part")?,
-        mass: 1.0,
-        inertia: None,
-        friction_static: 0.75,
-        friction_dynamic: 0.75,
-        region_distance: 0.004,
-        max_regions: 10,
-        tier: Tier::Bristle,
-        samples: 64,
-        sweeps: 4,
-        deformation: Deformation::Full,
-        coupling: Coupling::Direct,
-        breakaway: Breakaway::Smooth,
-        gravity: false,
-        force_law: ForceLaw::Hertz,
-        guard: GuardLimits::DEVICE_S_OWN,
-        paper_length: 0.1,
-        place: Place { p_wd: [0.0, 0.0, 0.12 + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
-    };
+    let place = Place { p_wd: [0.0, 0.0, 0.12 + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    let scene = BakedScene { place, ..BakedScene::ball_on(ObjectShape::Box { size: [0.1; 3] }) };
     let mut file = vec![0; FILE_MAX];
     let length = encode_file(&scene, &mut file).map_err(|error| anyhow::anyhow!("{error:?}"))?;
     file.truncate(length);

@@ -8,9 +8,8 @@ use haptor_firmware_sim::preset::{OMEGA6, PREMIUM15, Preset, SIGMA7, TOUCH};
 use haptor_firmware_sim::script::{CLEARANCE, Reach};
 use haptor_firmware_sim::{Device, Script, TxBuf};
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromDevice, GuardLimits, HostHello, Mode, ObjectShape,
-    PROTOCOL_VERSION, Place, PoseReport, ProbePart, ProbeParts, ProbeShape, SCHEMA_HASH, StreamDecoder, Tier, ToDevice,
-    encode_stream,
+    BakedScene, Deformation, FromDevice, HostHello, Mode, ObjectShape, PROTOCOL_VERSION, Place, PoseReport, SCHEMA_HASH,
+    StreamDecoder, Tier, ToDevice, encode_stream,
 };
 
 const RADIUS: f32 = 0.02;
@@ -18,33 +17,9 @@ const HEIGHT: f32 = 0.1;
 
 /// The ball on the rubber cube; the device stands so that the ball hovers at the script's clearance.
 fn ball_on_cube(tier: Tier) -> BakedScene {
-    let ball = ProbePart { shape: ProbeShape::Sphere { radius: RADIUS }, ..ProbePart::UNUSED };
-    BakedScene {
-        object: ObjectShape::Box { size: [HEIGHT; 3] },
-        fixed_below: 0.0,
-        young_modulus: 3e6,
-        poisson_ratio: 0.5,
-        density: 1100.0,
-        compliance: None,
-        probe: ProbeParts::from_slice(&[ball]).unwrap(),
-        mass: 1.0,
-        inertia: None,
-        friction_static: 0.75,
-        friction_dynamic: 0.75,
-        region_distance: 0.004,
-        max_regions: 10,
-        tier,
-        samples: 64,
-        sweeps: 4,
-        deformation: Deformation::None,
-        coupling: Coupling::Direct,
-        breakaway: Breakaway::Smooth,
-        gravity: false,
-        force_law: ForceLaw::Hertz,
-        guard: GuardLimits::DEVICE_S_OWN,
-        paper_length: HEIGHT,
-        place: Place { p_wd: [0.0, 0.0, HEIGHT + RADIUS + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] },
-    }
+    let place = Place { p_wd: [0.0, 0.0, HEIGHT + RADIUS + CLEARANCE], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    let scene = BakedScene::ball_on(ObjectShape::Box { size: [HEIGHT; 3] });
+    BakedScene { tier, deformation: Deformation::None, place, ..scene }
 }
 
 fn frame(message: &ToDevice) -> Vec<u8> {

@@ -19,8 +19,7 @@ use std::time::{Duration, Instant};
 
 use haptor_host::viewer::listen::ViewerAddress;
 use haptor_wire::{
-    BakedScene, Breakaway, Coupling, Deformation, ForceLaw, FromViewer, GuardLimits, ObjectShape, Place, ProbePart, ProbeParts,
-    ProbeShape, Record, RecordReader, RestBegin, RestPoints, TickRecord, Tier, ToViewer,
+    BakedScene, FromViewer, ObjectShape, Place, Record, RecordReader, RestBegin, RestPoints, TickRecord, ToViewer,
 };
 use viewer::{TestViewer, file};
 
@@ -64,33 +63,8 @@ fn beside() -> PathBuf {
 
 /// The ball on the rubber cube, two patches short of the hardest scene but with the whole surface to show.
 fn scene() -> BakedScene {
-    let ball = ProbePart { shape: ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
-    BakedScene {
-        object: ObjectShape::Box { size: [0.1; 3] },
-        fixed_below: 0.0,
-        young_modulus: 3.0e6,
-        poisson_ratio: 0.5,
-        density: 1100.0,
-        compliance: None,
-        probe: ProbeParts::from_slice(&[ball]).expect("one part"),
-        mass: 1.0,
-        inertia: None,
-        friction_static: 0.75,
-        friction_dynamic: 0.75,
-        region_distance: 0.004,
-        max_regions: 10,
-        tier: Tier::Bristle,
-        samples: 64,
-        sweeps: 4,
-        deformation: Deformation::Full,
-        coupling: Coupling::Direct,
-        breakaway: Breakaway::Smooth,
-        gravity: false,
-        force_law: ForceLaw::Hertz,
-        guard: GuardLimits::DEVICE_S_OWN,
-        paper_length: 0.1,
-        place: Place { p_wd: [0.0, 0.0, 0.125], q_wd: [1.0, 0.0, 0.0, 0.0] },
-    }
+    let place = Place { p_wd: [0.0, 0.0, 0.125], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    BakedScene { place, ..BakedScene::ball_on(ObjectShape::Box { size: [0.1; 3] }) }
 }
 
 fn device(folder: &Path, seconds: f64) -> (Child, String) {

@@ -6,38 +6,12 @@ use haptor_contact as contact;
 use haptor_contact::{Vec3, Wrench};
 use haptor_wire as wire;
 use haptor_wire::units::{NOT_A_NUMBER, metres_to_nm, unit_to_q30};
-use haptor_wire::{BakedScene, DeviceHello, Mode, PoseReport, ProbePart, ProbeParts, Tuning, sections};
+use haptor_wire::{BakedScene, DeviceHello, Mode, PoseReport, Tuning, sections};
 
 use crate::{OwnedEngine, Placed, Scene, command, handle_pose};
 
 pub fn baked() -> BakedScene {
-    let ball = ProbePart { shape: wire::ProbeShape::Sphere { radius: 0.02 }, ..ProbePart::UNUSED };
-    BakedScene {
-        object: wire::ObjectShape::HalfSpace,
-        fixed_below: 0.0,
-        young_modulus: 3.0e6,
-        poisson_ratio: 0.5,
-        density: 1100.0,
-        compliance: None,
-        probe: ProbeParts::from_slice(&[ball]).unwrap(),
-        mass: 1.0,
-        inertia: None,
-        friction_static: 0.75,
-        friction_dynamic: 0.75,
-        region_distance: 0.004,
-        max_regions: 10,
-        tier: wire::Tier::Bristle,
-        samples: 64,
-        sweeps: 4,
-        deformation: wire::Deformation::Full,
-        coupling: wire::Coupling::Direct,
-        breakaway: wire::Breakaway::Smooth,
-        gravity: false,
-        force_law: wire::ForceLaw::Hertz,
-        guard: wire::GuardLimits::DEVICE_S_OWN,
-        paper_length: 0.1,
-        place: wire::Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] },
-    }
+    BakedScene::ball_on(wire::ObjectShape::HalfSpace)
 }
 
 const PASSIVITY: wire::Passivity =

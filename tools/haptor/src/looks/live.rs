@@ -52,7 +52,6 @@ impl Live {
             name,
             news: Arc::clone(&news),
             wanted,
-            stage: None,
             frame: Frame::default(),
             surface: Surface::default(),
             recording: None,
@@ -81,7 +80,6 @@ struct Listener {
     name: String,
     news: Arc<Mutex<News>>,
     wanted: Receiver<Command>,
-    stage: Option<Arc<Stage>>,
     frame: Frame,
     surface: Surface,
     recording: Option<Recording>,
@@ -180,9 +178,8 @@ impl Listener {
         });
         match built {
             Ok(stage) => {
-                let stage = Arc::new(stage);
-                (self.stage, self.surface, self.frame.displacement) = (Some(Arc::clone(&stage)), Surface::default(), None);
-                self.with_news(|news| *news = News { stage: Some(stage), ..News::default() });
+                (self.surface, self.frame.displacement) = (Surface::default(), None);
+                self.with_news(|news| *news = News { stage: Some(Arc::new(stage)), ..News::default() });
             }
             Err(what) => self.tell(Severity::Warning, format!("the scene cannot be shown: {what}")),
         }
@@ -312,7 +309,7 @@ fn frame(snapshot: &Snapshot) -> Frame {
 }
 
 /// A patch as a window shows it.
-pub fn region(patch: &PatchLook) -> Region {
+fn region(patch: &PatchLook) -> Region {
     Region {
         centre: wide(patch.centre),
         normal: wide(patch.normal),

@@ -23,7 +23,8 @@ const STEP_SHARE: f64 = 0.5;
 pub fn stage(scene: &Scene, skins: &[Mesh], name: &str, rate_hz: u32) -> Result<Stage, SceneError> {
     let baked = scene.setup().baked();
     let period = 1.0 / f64::from(rate_hz.max(1));
-    let object = surface::at_rest(&scene.bodies()?.object, object_skin(baked, skins), &touched(baked, skins), VERTICES);
+    let bodies = haptor_viewer::stage(baked, skins);
+    let object = surface::at_rest(&scene.bodies()?.object, object_skin(baked, skins), &touched(baked, &bodies), VERTICES);
     Ok(Stage {
         name: name.to_owned(),
         object_name: object_name(baked),
@@ -31,7 +32,7 @@ pub fn stage(scene: &Scene, skins: &[Mesh], name: &str, rate_hz: u32) -> Result<
         object,
         period,
         step_budget_us: STEP_SHARE * period * 1.0e6,
-        ..haptor_viewer::stage(baked, skins)
+        ..bodies
     })
 }
 
@@ -43,8 +44,7 @@ fn object_skin<'s>(baked: &BakedScene, skins: &'s [Mesh]) -> Option<&'s Mesh> {
 }
 
 /// Where the probe's parts will touch the object, and how widely: straight below where a session starts.
-fn touched(baked: &BakedScene, skins: &[Mesh]) -> Vec<(DVec3, f64)> {
-    let rest = haptor_viewer::stage(baked, skins);
+fn touched(baked: &BakedScene, rest: &Stage) -> Vec<(DVec3, f64)> {
     let Some((low, high)) = rest.object.bounds() else { return Vec::new() };
     let start = DVec3::from_array(baked.place.p_wd.map(f64::from));
     let radius = CONTACT * (high - low).min_element();
