@@ -168,7 +168,7 @@ impl Peer {
         }
     }
 
-    /// The next message of what was read, unless it has spoken enough for now.
+    /// The next message of what was read, unless it has spoken enough in this turn.
     pub fn next(&mut self, now: Instant) -> Option<FromViewer> {
         while self.allowance >= 1.0 && matches!(self.stage, Stage::New | Stage::In(_)) {
             let &byte = self.input.get(self.decoded)?;

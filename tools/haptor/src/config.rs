@@ -20,6 +20,9 @@ pub const RATE: u32 = 1000;
 /// Real-time rights when nobody says otherwise.
 pub const RT: &str = "enforce";
 
+/// The devices that can be simulated, as `--preset` spells them.
+pub const PRESETS: [&str; 4] = ["premium15", "sigma7", "omega6", "touch"];
+
 /// The simulated device when nobody says otherwise: the smallest that renders torque.
 pub const PRESET: &str = "premium15";
 
@@ -84,16 +87,17 @@ impl Config {
         let config = || {
             let config = Self {
                 device: root.optional_text(DEVICE)?.map(str::to_owned),
-                rate: root.optional_count(RATE_KEY)?.and_then(|rate| u32::try_from(rate).ok()),
+                // one that is too large for the type is too large for the range
+                rate: root.optional_count(RATE_KEY)?.map(|rate| u32::try_from(rate).unwrap_or(u32::MAX)),
                 rt: root.optional_word(RT_KEY, &words(&["enforce", "ignore"]))?.map(str::to_owned),
-                preset: root.optional_word(PRESET_KEY, &words(&["premium15", "sigma7", "omega6", "touch"]))?.map(str::to_owned),
+                preset: root.optional_word(PRESET_KEY, &words(&PRESETS))?.map(str::to_owned),
             };
             root.finish("the configuration")?;
             if config.rate.is_some_and(|rate| !(100..=8000).contains(&rate)) {
                 return Err(root.error("rate", "allowed is 100 to 8000 Hz"));
             }
-            if config.device.as_deref().is_some_and(|device| crate::command::device_kind(device).is_err()) {
-                return Err(root.error("device", "allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT"));
+            if let Some(Err(allowed)) = config.device.as_deref().map(crate::command::device_kind) {
+                return Err(root.error("device", &allowed));
             }
             Ok(config)
         };
@@ -132,6 +136,7 @@ mod tests {
     fn what_is_wrong_is_named_with_its_line() {
         let table = [
             ("rate = 99", "config.toml:1: rate = 99: allowed is 100 to 8000 Hz"),
+            ("rate = 5000000000", "rate = 5000000000: allowed is 100 to 8000 Hz"),
             ("\nrate = \"fast\"", "config.toml:2: rate = \"fast\""),
             ("device = \"hid\"", "allowed is sim, usb"),
             ("rt = \"force\"", "allowed is enforce or ignore"),

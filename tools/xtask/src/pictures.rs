@@ -1,11 +1,11 @@
 //! `cargo xtask pictures`: every picture of the documents that a scene gives, drawn anew into `tests/golden/pictures`.
 
 use std::fs;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 
-use crate::run::{self, cargo, root, target};
+use crate::run::{self, target};
 use crate::scenes::SCENES;
 
 /// Pictures of moments: file, scene, time \[s\].
@@ -23,12 +23,8 @@ const SIZE: &str = "720x540";
 /// Draws all pictures, with the host tool in release: a picture has some million samples.
 pub fn run() -> Result<ExitCode> {
     let target = target()?;
-    run::run(cargo().args(["build", "--release", "-p", "haptor", "--target-dir"]).arg(&target))?;
-    let tool = || {
-        let mut command = Command::new(target.join("release/haptor"));
-        command.current_dir(root());
-        command
-    };
+    let haptor = run::release_tool()?;
+    let tool = || run::program(&haptor);
     let picture = |name: &str| format!("tests/golden/pictures/{name}.png");
     let [scene, poses] = ["toml", "csv"].map(|kind| move |name: &str| format!("tests/scenes/{name}.{kind}"));
     for (file, name, time) in SHOTS {

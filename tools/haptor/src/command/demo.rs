@@ -11,6 +11,7 @@ use haptor_wire::{FromHost, Progress, Summary, TickRecord};
 use indicatif::ProgressBar;
 
 use super::bake::bake;
+use crate::config;
 use crate::failure::{Failure, Outcome};
 use crate::output::{Output, say, unwritten};
 use crate::plot::{self, Curve};
@@ -43,7 +44,7 @@ pub struct Args {
     #[arg(long)]
     scene: Option<PathBuf>,
     /// Device to simulate
-    #[arg(long, default_value = "premium15", value_parser = ["premium15", "sigma7", "omega6", "touch"])]
+    #[arg(long, default_value = config::PRESET, value_parser = config::PRESETS)]
     preset: String,
     /// Ticks per second [Hz], 100 to 8000
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=8000))]

@@ -52,7 +52,7 @@ pub struct Session {
     #[arg(long, value_parser = ["enforce", "ignore"])]
     rt: Option<String>,
     /// What `--device sim` simulates [default: that of `haptor config`, or premium15]
-    #[arg(long, value_parser = ["premium15", "sigma7", "omega6", "touch"])]
+    #[arg(long, value_parser = config::PRESETS)]
     preset: Option<String>,
     /// Length of the session [s]; until Ctrl-C when not given
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
