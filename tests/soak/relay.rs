@@ -91,9 +91,9 @@ pub struct Reports {
 impl Reports {
     fn delivered(&mut self, frame: &[u8]) {
         let Some(FromDevice::Pose(pose)) = read_frame(frame) else { return };
-        match self.tracker.judge(pose.seq) {
+        match self.tracker.judge(pose.seq, pose.t_us) {
             Order::New { lost } => self.lost += u64::from(lost),
-            Order::Old => self.out_of_order += 1,
+            Order::Old | Order::Stuck => self.out_of_order += 1,
             Order::Restarted => self.restarts += 1,
         }
     }

@@ -39,7 +39,7 @@ pub struct Args {
 pub struct Session {
     /// Scene file (TOML)
     pub scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
+    /// sim (a simulated device), usb, usb:SERIAL, usb-bulk[:SERIAL], serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
     /// [default: that of
     /// `haptor config`]
     #[arg(long, value_parser = device)]
@@ -166,7 +166,7 @@ pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
         ("sim", true) | ("usb" | "usb-bulk", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
-        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
+        _ => Err("allowed is sim, usb, usb:SERIAL, usb-bulk[:SERIAL], serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
     }
 }
 
