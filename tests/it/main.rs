@@ -41,6 +41,7 @@ mod served;
 mod session;
 mod stability;
 mod state_room;
+mod steady_loop;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
