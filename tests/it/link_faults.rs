@@ -140,7 +140,7 @@ fn the_black_box_ends_with_the_fault_s_own_tick() {
     let dump = rig.dumps.take().expect("a dump");
     assert_eq!(dump.fault, rig.faults[0]);
     let kept: Vec<_> = dump.ring.iter().collect();
-    assert!(kept.len() <= BLACKBOX_TICKS);
+    assert!(kept.len() <= BLACKBOX_TICKS as usize);
     assert_eq!(kept.last().map(|t| t.tick), Some(dump.fault.tick));
     assert!(kept.iter().any(|t| length(t.force) > 3.0), "the press is in it");
 }

@@ -14,15 +14,18 @@ use haptor_wire::device::{DeviceFault, DeviceHello, FaultCause, HostHello, Mode,
 use haptor_wire::{HostFault, PROTOCOL_VERSION, SCHEMA_HASH, VersionMismatch, check_device_version};
 
 use super::line::Arrivals;
+use super::scale::ticks_at;
+
+// Counts of ticks at the default rate ([`super::scale`]).
 
 /// Ticks between two hellos while nobody answers: a hello takes the device back to idle, so a second must not overtake the answer.
-const HELLO_EVERY: u64 = 100;
+const HELLO_EVERY: u32 = 100;
 
 /// Ticks between two requests for a mode: reports already on their way still show the old one.
-const MODE_EVERY: u64 = 10;
+const MODE_EVERY: u32 = 10;
 
 /// Ticks from a fault to the next attempt, so that a device with a standing fault is not asked a thousand times a second.
-const RECOVER_AFTER: u64 = 100;
+const RECOVER_AFTER: u32 = 100;
 
 /// Ticks without a pose in a session after which the device is greeted anew: it may have forgotten the session.
 const SILENT_AFTER: u32 = 250;
@@ -122,7 +125,7 @@ impl Handshake {
         }
         let fault = if got.lost { Some(HostFault::LinkLost) } else { self.judge(got) };
         if fault.is_some_and(|fault| fault != HostFault::VersionMismatch) {
-            self.enter(Phase::Reset { from: tick + RECOVER_AFTER });
+            self.enter(Phase::Reset { from: tick + self.ticks(RECOVER_AFTER) });
         }
         self.watch_silence(got, tick);
         fault
@@ -183,7 +186,7 @@ impl Handshake {
 
     fn watch_silence(&mut self, got: &Arrivals, tick: u64) {
         self.silent = if got.pose.is_some() { 0 } else { self.silent.saturating_add(1) };
-        if self.silent >= SILENT_AFTER && matches!(self.phase, Phase::Run | Phase::Arm) {
+        if u64::from(self.silent) >= self.ticks(SILENT_AFTER) && matches!(self.phase, Phase::Run | Phase::Arm) {
             self.enter(Phase::Reset { from: tick });
         }
     }
@@ -209,11 +212,16 @@ impl Handshake {
             Phase::Arm => (ToDevice::SetMode(Mode::Force), MODE_EVERY),
             Phase::Reset { .. } | Phase::Run => return None,
         };
-        if self.asked_at.is_some_and(|at| tick < at + every) {
+        if self.asked_at.is_some_and(|at| tick < at + self.ticks(every)) {
             return None;
         }
         self.asked_at = Some(tick);
         Some(message)
+    }
+
+    /// So many ticks of the default rate, at this one.
+    fn ticks(&self, ticks: u32) -> u64 {
+        ticks_at(1_000_000 / self.period_us, ticks).into()
     }
 
     const fn hello(&self) -> HostHello {
@@ -278,11 +286,11 @@ mod tests {
         assert_eq!(h.ask(0), Some(ToDevice::SetMode(Mode::Reset)));
         assert!(matches!(h.ask(1), Some(ToDevice::Hello(hello)) if hello.period_us == 1000));
         assert_eq!(h.ask(2), None);
-        assert!(matches!(h.ask(1 + HELLO_EVERY), Some(ToDevice::Hello(_))), "nobody answered");
+        assert!(matches!(h.ask(1 + u64::from(HELLO_EVERY)), Some(ToDevice::Hello(_))), "nobody answered");
         assert_eq!(h.observe(&hello(PROTOCOL_VERSION), 102), None);
         assert_eq!(h.ask(102), Some(ToDevice::SetMode(Mode::Idle)));
         h.observe(&pose(Mode::Idle, 0), 103);
-        assert_eq!(h.ask(102 + MODE_EVERY), Some(ToDevice::SetMode(Mode::Force)));
+        assert_eq!(h.ask(102 + u64::from(MODE_EVERY)), Some(ToDevice::SetMode(Mode::Force)));
         h.observe(&pose(Mode::Force, 0), 120);
         assert_eq!((h.is_running(), h.ask(121)), (true, None));
     }
@@ -313,8 +321,8 @@ mod tests {
         for (got, expected) in table {
             let mut h = running();
             assert_eq!(h.observe(&got, 50), Some(expected), "{got:?}");
-            assert_eq!(h.ask(50 + RECOVER_AFTER - 1), None);
-            assert_eq!(h.ask(50 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Reset)));
+            assert_eq!(h.ask(50 + u64::from(RECOVER_AFTER) - 1), None);
+            assert_eq!(h.ask(50 + u64::from(RECOVER_AFTER)), Some(ToDevice::SetMode(Mode::Reset)));
         }
     }
 
@@ -324,7 +332,7 @@ mod tests {
         h.stop();
         assert_eq!((h.is_running(), h.ask(50)), (false, Some(ToDevice::SetMode(Mode::Brake))));
         assert_eq!(
-            (h.ask(51), h.ask(50 + MODE_EVERY)),
+            (h.ask(51), h.ask(50 + u64::from(MODE_EVERY))),
             (None, Some(ToDevice::SetMode(Mode::Brake))),
             "repeated until it is seen"
         );
@@ -332,7 +340,7 @@ mod tests {
         assert_eq!(h.ask(1000), None);
         // a device that lost its power meanwhile is asked again, and not greeted
         assert_eq!(h.observe(&Arrivals { restarted: true, ..pose(Mode::Reset, 0) }, 1001), Some(HostFault::DeviceRestarted));
-        assert_eq!(h.ask(1001 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Brake)));
+        assert_eq!(h.ask(1001 + u64::from(RECOVER_AFTER)), Some(ToDevice::SetMode(Mode::Brake)));
         h.rearm(2000);
         assert_eq!(h.ask(2000), Some(ToDevice::SetMode(Mode::Reset)));
         assert!(matches!(h.ask(2001), Some(ToDevice::Hello(_))));

@@ -13,7 +13,10 @@
 
 use haptor_contact::Wrench;
 
+use super::scale::ticks_at;
 use haptor_engine::DeviceBase;
+
+// Counts of ticks at the default rate ([`super::scale`]).
 
 /// Ticks without a fresh pose through which the last wrench is repeated: a late or lost report or three is normal on USB and TCP.
 pub const HOLD_TICKS: u32 = 4;
@@ -28,15 +31,18 @@ pub struct StaleRule {
     pub hold: u32,
     /// Ticks over which it then fades to zero, 1 or more.
     pub fade: u32,
-}
-
-impl Default for StaleRule {
-    fn default() -> Self {
-        Self { hold: HOLD_TICKS, fade: FADE_TICKS }
-    }
+    /// Ticks in a row of small wrench before a closed output opens.
+    pub calm: u32,
 }
 
 impl StaleRule {
+    /// The usual rule at so many ticks a second.
+    #[must_use]
+    pub const fn at(rate_hz: u32) -> Self {
+        let [hold, fade, calm] = [HOLD_TICKS, FADE_TICKS, CALM_TICKS];
+        Self { hold: ticks_at(rate_hz, hold), fade: ticks_at(rate_hz, fade), calm: ticks_at(rate_hz, calm) }
+    }
+
     /// Ticks from the last fresh pose to zero wrench.
     #[must_use]
     pub const fn zero_after(&self) -> u32 {
@@ -154,7 +160,7 @@ impl Output {
         if self.missing >= self.rule.zero_after() {
             self.calm = 0;
         }
-        if self.calm >= CALM_TICKS {
+        if self.calm >= self.rule.calm {
             self.open();
         }
     }
@@ -176,7 +182,7 @@ mod tests {
     }
 
     fn opened() -> Output {
-        let mut output = Output::new(StaleRule::default());
+        let mut output = Output::new(StaleRule::at(1000));
         output.open();
         output
     }
@@ -195,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_shortest_rule_is_zero_at_the_second_tick() {
-        let mut output = Output::new(StaleRule { hold: 1, fade: 1 });
+        let mut output = Output::new(StaleRule { hold: 1, fade: 1, calm: CALM_TICKS });
         output.open();
         output.serve(&fresh(8.0), 0);
         assert_eq!(output.serve(&Offer::Missing, 0).0.force.z.to_bits(), 8.0_f32.to_bits());
