@@ -73,7 +73,7 @@ fn timed(engine: &mut Engine<'_>, ops: &[Op], ticks: u64, rt: policy::RtPolicy, 
     let mut timed = Timed::new();
     let result = thread::scope(|scope| {
         let work = || -> Result<(), HostError> {
-            let obtained = policy::apply(rt, cpu)?;
+            let obtained = policy::apply(rt, cpu, &[])?;
             timed.rt = obtained.report;
             time(engine, ops, ticks, &Monotonic, &done, &mut timed);
             Ok(())
