@@ -36,10 +36,13 @@ const COLOURS: [RGBColor; 4] = [RGBColor(190, 190, 190), RGBColor(0, 114, 178), 
 const WIDTHS: [u32; 4] = [4, 2, 2, 2];
 
 /// The name under which the font is registered.
-const FONT: &str = "sans-serif";
+pub const FONT: &str = "sans-serif";
 
 /// Registers the font once.
-fn fonts() -> anyhow::Result<()> {
+///
+/// # Errors
+/// When the font that comes with a crate cannot be read.
+pub fn fonts() -> anyhow::Result<()> {
     static DONE: OnceLock<bool> = OnceLock::new();
     let done = DONE.get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());
     if *done { Ok(()) } else { Err(anyhow!("the font of the plots cannot be read")) }

@@ -14,6 +14,7 @@ mod record;
 mod replay;
 mod run;
 mod tell;
+mod timing;
 mod trajectory;
 mod view;
 mod watch;
@@ -35,6 +36,7 @@ pub enum Command {
     Export(export::Args),
     View(view::Args),
     Tell(tell::Args),
+    Timing(timing::Args),
     Plot(plot::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
@@ -56,6 +58,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),
         Command::Tell(args) => tell::run(&args),
+        Command::Timing(args) => timing::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),
