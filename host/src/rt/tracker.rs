@@ -14,8 +14,11 @@ pub enum Order {
     },
     /// Already seen, or older than the newest.
     Old,
-    /// A new number on the pose of the report before: what talks to the host lives, what reads the sensors does not.
-    Stuck,
+    /// A new number on a pose that was there before: what talks to the host lives, what reads the sensors does not.
+    Stuck {
+        /// Numbers left out.
+        lost: u32,
+    },
     /// The count began anew.
     Restarted,
 }
@@ -24,24 +27,41 @@ pub enum Order {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tracker {
     newest: Option<u32>,
-    /// When its pose was taken [us of the device's clock].
-    taken_us: u32,
+    /// When the newest pose was taken [us of the device's clock].
+    taken_us: Option<u32>,
+}
+
+/// How far `new` is ahead of `old`, both of which wrap; `None` = it is not.
+fn ahead(new: u32, old: u32) -> Option<u32> {
+    let by = new.wrapping_sub(old);
+    (by != 0 && by <= u32::MAX / 2).then_some(by)
 }
 
 impl Tracker {
     /// Judges a report's number, and when its pose was taken. Both wrap.
     pub fn judge(&mut self, seq: u32, taken_us: u32) -> Order {
-        let before = std::mem::replace(self, Self { newest: Some(seq), taken_us });
-        let Some(newest) = before.newest else { return Order::New { lost: 0 } };
-        let ahead = seq.wrapping_sub(newest);
-        if ahead != 0 && ahead <= u32::MAX / 2 {
-            return if taken_us == before.taken_us { Order::Stuck } else { Order::New { lost: ahead - 1 } };
+        let before = *self;
+        let begun = Self { newest: Some(seq), taken_us: Some(taken_us) };
+        let lost = match before.newest.map(|newest| (ahead(seq, newest), newest.wrapping_sub(seq))) {
+            None => 0,
+            Some((Some(by), _)) => by - 1,
+            Some((None, back)) if back <= REORDER_WINDOW => return Order::Old,
+            Some((None, _)) => {
+                *self = begun;
+                return Order::Restarted;
+            }
+        };
+        if before.taken_us.is_some_and(|before_us| ahead(taken_us, before_us).is_none()) {
+            self.newest = Some(seq);
+            return Order::Stuck { lost };
         }
-        if newest.wrapping_sub(seq) <= REORDER_WINDOW {
-            *self = before;
-            return Order::Old;
-        }
-        Order::Restarted
+        *self = begun;
+        Order::New { lost }
+    }
+
+    /// The device has begun a session: its clock may stand anywhere.
+    pub const fn forget_time(&mut self) {
+        self.taken_us = None;
     }
 }
 
@@ -72,19 +92,26 @@ mod tests {
         let mut tracker = Tracker::default();
         let table = [
             (1, 70, Order::New { lost: 0 }),
-            (2, 70, Order::Stuck),
-            (4, 70, Order::Stuck),
+            (2, 70, Order::Stuck { lost: 0 }),
+            (4, 70, Order::Stuck { lost: 1 }),
             (3, 69, Order::Old),
             (5, 71, Order::New { lost: 0 }),
+            (6, 70, Order::Stuck { lost: 0 }),
+            (7, 71, Order::Stuck { lost: 0 }),
+            (8, 0x7000_0000, Order::New { lost: 0 }),
+            (9, 0xE000_0000, Order::New { lost: 0 }),
+            (10, 5, Order::New { lost: 0 }),
         ];
         for (seq, taken_us, expected) in table {
             assert_eq!(tracker.judge(seq, taken_us), expected, "{seq}");
         }
+        tracker.forget_time();
+        assert_eq!(tracker.judge(12, 1), Order::New { lost: 1 }, "a clock that was set anew");
     }
 
     #[test]
     fn numbers_wrap() {
-        let mut tracker = Tracker { newest: Some(u32::MAX), taken_us: 7 };
+        let mut tracker = Tracker { newest: Some(u32::MAX), taken_us: Some(7) };
         assert_eq!(tracker.judge(1, 8), Order::New { lost: 1 });
         assert_eq!(tracker.judge(u32::MAX, 7), Order::Old);
     }
