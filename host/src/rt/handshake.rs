@@ -89,6 +89,12 @@ impl Handshake {
         self.phase == Phase::Run && !self.stopped
     }
 
+    /// True when the device has just reported and did not grant force.
+    #[must_use]
+    pub fn is_refused(&self) -> bool {
+        self.phase == Phase::Arm && self.mode == Mode::Idle && self.silent == 0
+    }
+
     /// The device is to brake from now on.
     pub const fn stop(&mut self) {
         (self.stopped, self.asked_at) = (true, None);
@@ -112,7 +118,7 @@ impl Handshake {
         self.mode
     }
 
-    /// Who the device is, once it has said so.
+    /// Who the device is, by its last answer to a hello of ours.
     #[must_use]
     pub const fn device(&self) -> Option<DeviceHello> {
         self.device
@@ -133,8 +139,12 @@ impl Handshake {
 
     fn judge(&mut self, got: &Arrivals) -> Option<HostFault> {
         if let Some(hello) = &got.hello {
-            // a report that came with it may be older than it
-            return self.greeted(hello);
+            let greeting = self.phase == Phase::Greet;
+            let fault = self.greeted(hello);
+            // a report that came with the answer may be older than it; a hello that nobody waits for hides nothing
+            if greeting || fault.is_some() {
+                return fault;
+            }
         }
         if let Some(fault) = &got.fault
             && !matches!(self.phase, Phase::Refuse(_))
@@ -148,7 +158,6 @@ impl Handshake {
     }
 
     fn greeted(&mut self, hello: &DeviceHello) -> Option<HostFault> {
-        self.device = Some(*hello);
         match check_device_version(hello.version, hello.schema) {
             Err(mismatch) => {
                 self.enter(Phase::Refuse(mismatch));
@@ -156,6 +165,7 @@ impl Handshake {
             }
             Ok(()) => {
                 if self.phase == Phase::Greet {
+                    self.device = Some(*hello);
                     self.enter(Phase::Arm);
                 }
                 None
@@ -177,7 +187,7 @@ impl Handshake {
             (_, Mode::Brake) if self.stopped => {}
             (Phase::Run | Phase::Arm, Mode::Brake) => return Some(braked_for(pose.flags)),
             (Phase::Run, Mode::Reset) => return Some(HostFault::DeviceRestarted),
-            // somebody rests the device, e.g. a switch on it: ask again, forces come back by the small-force rule
+            // somebody rests the device, e.g. a switch on it: no fault; ask again, forces come back by the small-force rule
             (Phase::Run, Mode::Idle) => self.enter(Phase::Arm),
             _ => {}
         }
@@ -344,6 +354,40 @@ mod tests {
         h.rearm(2000);
         assert_eq!(h.ask(2000), Some(ToDevice::SetMode(Mode::Reset)));
         assert!(matches!(h.ask(2001), Some(ToDevice::Hello(_))));
+    }
+
+    #[test]
+    fn a_hello_that_nobody_waits_for_hides_no_fault_and_changes_no_limits() {
+        let stranger = DeviceHello { max_force_un: 1, ..hello(PROTOCOL_VERSION).hello.unwrap() };
+        let fault = DeviceFault { cause: FaultCause::Hardware, seq: 0, detail: 0 };
+        for (got, expected) in [
+            (Arrivals { fault: Some(fault), ..pose(Mode::Force, 0) }, Some(HostFault::DeviceFault)),
+            (pose(Mode::Brake, PoseReport::FLAG_WATCHDOG), Some(HostFault::DeviceWatchdog)),
+            (Arrivals { restarted: true, ..pose(Mode::Force, 0) }, Some(HostFault::DeviceRestarted)),
+            (pose(Mode::Force, 0), None),
+        ] {
+            let mut h = running();
+            let before = h.device();
+            assert_eq!(h.observe(&Arrivals { hello: Some(stranger), ..got }, 50), expected, "{got:?}");
+            assert_eq!((h.device(), h.is_running()), (before, expected.is_none()), "{got:?}");
+        }
+    }
+
+    #[test]
+    fn a_device_refuses_when_it_reports_and_does_not_grant_force() {
+        let mut h = Handshake::new(1000);
+        h.ask(0);
+        h.observe(&hello(PROTOCOL_VERSION), 1);
+        for (got, expected) in [
+            (pose(Mode::Reset, 0), false),
+            (pose(Mode::Idle, 0), true),
+            (Arrivals::default(), false),
+            (pose(Mode::Idle, 0), true),
+            (pose(Mode::Force, 0), false),
+        ] {
+            h.observe(&got, 2);
+            assert_eq!(h.is_refused(), expected, "{got:?}");
+        }
     }
 
     #[test]
