@@ -27,6 +27,7 @@ mod table;
 mod text;
 mod timing;
 mod trajectory;
+mod trial;
 mod usb;
 mod window;
 
