@@ -3,6 +3,7 @@
 mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
+mod bench_cli;
 mod bits;
 mod c_abi;
 mod c_device;

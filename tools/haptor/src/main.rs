@@ -7,6 +7,7 @@
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
+mod bench;
 mod client;
 mod command;
 mod config;

@@ -1,6 +1,7 @@
 //! The commands, one per file: its arguments, what it does, its messages.
 
 pub mod bake;
+mod bench;
 mod completions;
 mod config;
 mod demo;
@@ -42,6 +43,7 @@ pub enum Command {
     Mesh(mesh::Args),
     Devices(devices::Args),
     Doctor(doctor::Args),
+    Bench(bench::Args),
     Config(config::Args),
     Completions(completions::Args),
 }
@@ -64,6 +66,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Completions(args) => completions::run(&args),
     }
