@@ -253,6 +253,21 @@ fn a_device_at_rest_for_a_moment_gets_forces_back_by_the_small_force_rule() {
 }
 
 #[test]
+fn a_device_that_leaves_the_session_by_a_fault_is_told_zero_at_once() {
+    let counts_anew = |n: u32, pose: &mut PoseReport| {
+        if n >= 900 {
+            pose.seq = pose.seq.wrapping_sub(500);
+        }
+    };
+    let mut rig = altered(counts_anew, u32::MAX);
+    assert!(rig.until(2_000, |rig| !rig.faults.is_empty()));
+    assert_eq!((rig.faults[0].cause, rig.far().device.mode()), (HostFault::DeviceRestarted, Mode::Force), "it did not restart");
+    assert_eq!((length(rig.last().force), rig.last().flags & flags::NOT_SENT), (0.0, 0));
+    rig.tick();
+    assert_eq!(rig.last().flags & flags::NOT_SENT, flags::NOT_SENT);
+}
+
+#[test]
 fn a_device_that_takes_nothing_is_not_called_a_slow_machine() {
     let mut rig = altered(|_, _| {}, 900);
     assert!(rig.until(2_000, |rig| !rig.faults.is_empty()));

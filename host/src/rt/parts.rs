@@ -68,6 +68,8 @@ pub struct Memory {
     record: TickRecord,
     /// The device was in a mode for it, and the link took the wrench.
     sent: bool,
+    /// The device rendered in the tick before.
+    ran: bool,
     /// Ticks in a row that were done in time but for the link, which did not take the wrench.
     untaken: u32,
     /// The device whose limits guard and coupling keep.
@@ -248,12 +250,13 @@ impl<C: Clock> Control<C> {
         wrench
     }
 
-    /// Says what the handshake wants said; in a running session, the wrench.
+    /// Says what the handshake wants said; in a running session, the wrench. A device that has just left it by a fault is told zero: should it still
+    /// render, it need not wait for the end of its hold.
     pub(super) fn say(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot) {
         self.memory.sent = false;
         if let Some(message) = self.handshake.ask(slot.tick) {
             self.line.send(&message);
-        } else if self.handshake.is_running() {
+        } else if self.handshake.is_running() || (self.memory.ran && self.mismatch().is_none()) {
             self.memory.seq = self.memory.seq.wrapping_add(1);
             let command =
                 command(self.memory.seq, self.memory.echo, wrench, self.settings.stale.hold * self.settings.period_us());
@@ -263,6 +266,7 @@ impl<C: Clock> Control<C> {
                 self.line.trips.sent(command.seq, now_ns);
             }
         }
+        self.memory.ran = self.handshake.is_running();
     }
 
     /// Books the tick, and the fault that latched in it.
