@@ -87,7 +87,8 @@ pub struct HostHello {
     pub version: u16,
     /// [`crate::SCHEMA_HASH`] of the host.
     pub schema: u32,
-    /// How often the host wants a [`PoseReport`] \[us\]; 0 = 1,000. A device that cannot reports at its own pace.
+    /// How often the host wants a [`PoseReport`] \[us\]; 0 = 1,000. The device brings it into 125 to 100,000 and up to whole [`WATCHDOG_STEP_US`], and keeps to it:
+    /// paced by the device, the host counts time in these periods.
     pub period_us: u32,
 }
 
