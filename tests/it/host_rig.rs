@@ -179,6 +179,11 @@ impl Rig {
 
     /// The same on another scene.
     pub fn on(scene: &BakedScene, script: &str, ticks: Option<u64>, wrap: impl FnOnce(Cable) -> AnyLink) -> Self {
+        Self::at(settings(ticks), scene, script, wrap)
+    }
+
+    /// The same as told.
+    pub fn at(settings: Settings, scene: &BakedScene, script: &str, wrap: impl FnOnce(Cable) -> AnyLink) -> Self {
         let clock = Virtual::default();
         let reach = Reach::usual(FIRM_GRIP.stiffness, PREMIUM15.max_force);
         let script = Script::by_name(script, &reach, true).expect("a script of that name");
@@ -194,10 +199,9 @@ impl Rig {
             noise: 1,
         }));
         let (links, opener) = exchange();
-        let (writer, dumps) = black_box(RATE_HZ);
-        let (account, readers) = Account::new(writer, RATE_HZ);
+        let (writer, dumps) = black_box(settings.rate_hz);
+        let (account, readers) = Account::new(writer, settings.rate_hz);
         let engine = Scene::new(scene).and_then(|scene| scene.engine()).expect("a good scene");
-        let settings = settings(ticks);
         let line = Line::new(wrap(Cable(Arc::clone(&far))), links);
         let (desk, counter) = desk();
         let control = Control::new(settings, clock, line, engine, account, desk);
@@ -277,9 +281,14 @@ impl Rig {
     }
 }
 
-/// What every rig's host is told.
+/// What a rig's host is told.
 pub fn settings(ticks: Option<u64>) -> Settings {
-    Settings { rate_hz: RATE_HZ, follow: Follow::Clock, ticks, stale: StaleRule::at(RATE_HZ), rt: RtReport::default() }
+    settings_at(RATE_HZ, ticks)
+}
+
+/// The same at another rate.
+pub fn settings_at(rate_hz: u32, ticks: Option<u64>) -> Settings {
+    Settings { rate_hz, follow: Follow::Clock, ticks, stale: StaleRule::at(rate_hz), rt: RtReport::default() }
 }
 
 /// Length of a vector.

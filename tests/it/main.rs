@@ -32,6 +32,7 @@ mod meshes;
 mod no_alloc;
 mod no_alloc_host;
 mod profiles;
+mod rates;
 mod recordings;
 mod region_limit;
 mod replay;

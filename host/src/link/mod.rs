@@ -5,6 +5,7 @@
 //! block for long, is [`open`]'s and never the real-time thread's.
 
 mod address;
+mod arrivals;
 mod low_latency;
 pub mod mem;
 mod messages;

@@ -12,7 +12,7 @@ use rustix::io::Errno;
 use super::LinkError;
 
 /// Waits up to `wait` until `descriptor` has bytes or has hung up; true = it has.
-fn readable(descriptor: impl AsFd, wait: Duration) -> Result<bool, LinkError> {
+pub(super) fn readable(descriptor: impl AsFd, wait: Duration) -> Result<bool, LinkError> {
     let timeout = Timespec { tv_sec: wait.as_secs() as i64, tv_nsec: i64::from(wait.subsec_nanos()) };
     let mut watched = [PollFd::new(&descriptor, PollFlags::IN)];
     match rustix::event::poll(&mut watched, Some(&timeout)) {

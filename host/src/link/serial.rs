@@ -13,6 +13,7 @@ use std::time::Duration;
 use rustix::fs::{Mode, OFlags};
 use serialport::TTYPort;
 
+use super::arrivals::Arrivals;
 use super::port::{Port, explain};
 use super::{Link, LinkError, low_latency, poll};
 
@@ -30,6 +31,7 @@ const SYSFS: &str = "/sys/class/tty";
 #[derive(Debug)]
 pub struct SerialLink {
     bytes: OwnedFd,
+    arrivals: Arrivals,
     /// Keeps the port's settings and its lock against other programs; closed after `bytes`.
     _port: TTYPort,
     name: String,
@@ -59,7 +61,8 @@ impl SerialLink {
             shorten_latency_timer(Path::new(SYSFS), path);
         }
         rustix::termios::tcflush(&bytes, rustix::termios::QueueSelector::IOFlush)?;
-        Ok(Self { bytes, _port: port, name })
+        let arrivals = Arrivals::of(&bytes)?;
+        Ok(Self { bytes, arrivals, _port: port, name })
     }
 }
 
@@ -88,7 +91,7 @@ impl Link for SerialLink {
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
-        poll::receive(&self.bytes, into, wait)
+        self.arrivals.receive(&self.bytes, into, wait)
     }
 
     fn name(&self) -> &str {
