@@ -26,42 +26,9 @@ pub fn run(cpu: usize, period_us: u32, seconds: u64, real_time: bool, stop: &Ato
         args.extend([format!("-p{PRIORITY}"), "-m".to_owned()]);
     }
     let said = Helper::start(CYCLICTEST, &args)?.output(stop)?;
-    let spread = parse(&said);
+    let spread = Spread::of_cyclictest(&said);
     if spread.count() == 0 {
         return Err(Failure::problem("cyclictest printed no histogram; rt-tests 1.0 or later is needed"));
     }
     Ok(spread)
-}
-
-/// Rows `MICROSECONDS COUNT`; behind them how many were longer and the longest.
-fn parse(text: &str) -> Spread {
-    let mut spread = Spread::default();
-    let told = |name: &str| {
-        let line = text.lines().find_map(|line| line.strip_prefix(name));
-        line.and_then(|rest| rest.split_whitespace().next()).and_then(|word| word.parse::<u64>().ok()).unwrap_or(0)
-    };
-    for line in text.lines().filter(|line| !line.starts_with(['#', '/'])) {
-        let mut fields = line.split_whitespace().map(str::parse::<u64>);
-        if let (Some(Ok(us)), Some(Ok(count))) = (fields.next(), fields.next()) {
-            // whole microseconds, cut off: the bin's upper edge is the next
-            spread.add((us + 1) * 1000, count);
-        }
-    }
-    spread.add((told("# Max Latencies:") + 1) * 1000, told("# Histogram Overflows:"));
-    spread
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_histogram_is_read_with_what_did_not_fit() {
-        let text = "# /dev/cpu_dma_latency set to 0us\n# Histogram\n000000 000000\n000003 000097\n000010 000002\n\
-                    # Total: 000000099\n# Min Latencies: 00003\n# Avg Latencies: 00004\n# Max Latencies: 31234\n\
-                    # Histogram Overflows: 00001\n# Histogram Overflow at cycle number:\n# Thread 0: 00050\n";
-        let spread = parse(text);
-        assert_eq!((spread.count(), spread.quantile_ns(0.5), spread.max_ns()), (100, 4_000, 31_235_000));
-        assert_eq!(parse("error: no rights\n").count(), 0);
-    }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::session::{Trial, run};
 use super::spread::Spread;
-use super::{helper, load, us};
+use super::{helper, load, us, value};
 use crate::failure::Failure;
 use crate::progress;
 
@@ -107,7 +107,7 @@ impl Gains {
     /// The same for programs.
     pub fn value(&self) -> Value {
         let rows = self.rows.iter().map(|row| {
-            json!({ "way": row.name, "wake_up": row.wake.value(), "ratio_p99_9": row.ratio(&self.rows[0]), "in_time": row.share() })
+            json!({ "way": row.name, "wake_up": value(&row.wake), "ratio_p99_9": row.ratio(&self.rows[0]), "in_time": row.share() })
         });
         json!({ "rate_hz": RATE_HZ, "seconds": self.seconds, "rounds": ROUNDS, "load": load::WORDS, "ways": rows.collect::<Vec<_>>() })
     }

@@ -18,7 +18,10 @@ mod session;
 pub mod soak;
 mod spread;
 
+use serde_json::{Value, json};
+
 use crate::failure::Failure;
+use spread::Spread;
 
 /// Share of ticks in time below which a machine is doubtful (libfranka's mark).
 pub const SHARE_WARN: f64 = 0.95;
@@ -38,6 +41,12 @@ fn verdict(share: f64) -> &'static str {
         share if share >= SHARE_FAIL => "doubtful",
         _ => "not good enough",
     }
+}
+
+/// Durations for programs.
+fn value(spread: &Spread) -> Value {
+    let [p50, p99, p999, p9999, max] = spread.figures();
+    json!({ "cycles": spread.count(), "p50_ns": p50, "p99_ns": p99, "p99_9_ns": p999, "p99_99_ns": p9999, "max_ns": max })
 }
 
 /// Nanoseconds as the tables print them \[us\].

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use serde_json::{Value, json};
 
 use super::session::{Ran, Trial, run};
-use super::{SHARE_WARN, us, verdict};
+use super::{SHARE_WARN, us, value, verdict};
 use crate::failure::Failure;
 use crate::progress;
 
@@ -142,7 +142,7 @@ impl Rates {
         let rows = self.rows.iter().map(|row| {
             let (limit, times) = row.limit();
             json!({ "link": row.link, "rate_hz": row.rate_hz, "seconds": row.seconds, "in_time": row.ran.share(), "holds": row.holds(),
-                    "wake_up": row.ran.wake.value(), "step": row.ran.step.value(), "round_trip": row.ran.round_trip.value(),
+                    "wake_up": value(&row.ran.wake), "step": value(&row.ran.step), "round_trip": value(&row.ran.round_trip),
                     "lost": row.ran.summary.lost, "recorder_dropped": row.ran.summary.recorder_dropped,
                     "device_stood_still": row.ran.stood_still, "fault": row.ran.summary.fault.map(haptor_wire::HostFault::name),
                     "nearest_limit": limit, "of_it": if times.is_finite() { json!(times) } else { Value::Null } })

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::session::{Ran, Trial, run};
 use super::spread::Spread;
-use super::{SHARE_FAIL, cyclictest, helper, load, us, verdict};
+use super::{SHARE_FAIL, cyclictest, helper, load, us, value, verdict};
 use crate::failure::Failure;
 use crate::plot::{self, Curve};
 use crate::progress;
@@ -198,7 +198,7 @@ impl Soak {
     pub fn value(&self) -> Value {
         let rows = self.rows.iter().map(|row| {
             let [tail, max] = row.ratios();
-            json!({ "condition": row.condition.name(), "haptor_host": row.ours.value(), "cyclictest": row.theirs.value(),
+            json!({ "condition": row.condition.name(), "haptor_host": value(&row.ours), "cyclictest": value(&row.theirs),
                     "ratio_p99_99": tail, "ratio_max": max, "in_time": row.share(), "verdict": verdict(row.share()),
                     "real_time_class": row.real_time })
         });

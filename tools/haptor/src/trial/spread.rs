@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
-
 /// Durations of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spread {
@@ -59,12 +57,6 @@ impl Spread {
         [at(0.5), at(0.99), at(0.999), at(0.9999), self.max_ns()]
     }
 
-    /// The same for programs.
-    pub fn value(&self) -> Value {
-        let [p50, p99, p999, p9999, max] = self.figures();
-        json!({ "cycles": self.count(), "p50_ns": p50, "p99_ns": p99, "p99_9_ns": p999, "p99_99_ns": p9999, "max_ns": max })
-    }
-
     /// The rows of the host's file of times that are about `what`.
     pub fn of_times(table: &str, what: &str) -> Self {
         let mut spread = Self::default();
@@ -76,6 +68,24 @@ impl Spread {
                 spread.add(upto_ns, count);
             }
         }
+        spread
+    }
+
+    /// What `cyclictest -h` prints: rows `MICROSECONDS COUNT`; behind them how many were longer, and the longest.
+    pub fn of_cyclictest(text: &str) -> Self {
+        let mut spread = Self::default();
+        let told = |name: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(name));
+            number(line.and_then(|rest| rest.split_whitespace().next())).unwrap_or(0)
+        };
+        for line in text.lines().filter(|line| !line.starts_with(['#', '/'])) {
+            let mut fields = line.split_whitespace();
+            if let (Some(us), Some(count)) = (number(fields.next()), number(fields.next())) {
+                // whole microseconds, cut off: the bin's upper edge is the next
+                spread.add((us + 1) * 1000, count);
+            }
+        }
+        spread.add((told("# Max Latencies:") + 1) * 1000, told("# Histogram Overflows:"));
         spread
     }
 }
@@ -107,5 +117,15 @@ mod tests {
         let wake = Spread::of_times(table, "wake_up");
         assert_eq!((wake.count(), wake.max_ns()), (4, 200));
         assert_eq!(Spread::of_times(table, "round_trip").count(), 0);
+    }
+
+    #[test]
+    fn a_histogram_is_read_with_what_did_not_fit() {
+        let text = "# /dev/cpu_dma_latency set to 0us\n# Histogram\n000000 000000\n000003 000097\n000010 000002\n\
+                    # Total: 000000099\n# Min Latencies: 00003\n# Avg Latencies: 00004\n# Max Latencies: 31234\n\
+                    # Histogram Overflows: 00001\n# Histogram Overflow at cycle number:\n# Thread 0: 00050\n";
+        let spread = Spread::of_cyclictest(text);
+        assert_eq!((spread.count(), spread.quantile_ns(0.5), spread.max_ns()), (100, 4_000, 31_235_000));
+        assert_eq!(Spread::of_cyclictest("error: no rights\n").count(), 0);
     }
 }
