@@ -6,11 +6,10 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::cli::root;
+use crate::cli::{released, root};
 
 #[path = "../support/counts.rs"]
 mod counting;
@@ -23,22 +22,13 @@ const COMMAND: &str = "cargo xtask counts";
 /// How much a count may grow.
 const GROWTH: f64 = 1.02;
 
-/// The program under the counter, in release: what is counted is what is shipped.
-fn program() -> PathBuf {
-    let test = std::env::current_exe().expect("a test knows its path");
-    let target = test.ancestors().nth(3).expect("tests lie in target/PROFILE/deps");
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
-    cargo.current_dir(root()).args(["build", "--quiet", "--release", "--package", counting::PROGRAM, "--target-dir"]).arg(target);
-    assert!(cargo.status().expect("cargo can be started").success(), "{} does not build", counting::PROGRAM);
-    target.join("release").join(counting::PROGRAM)
-}
-
 /// Every scene by its name, counted once for all tests.
 fn counted() -> &'static HashMap<String, Counted> {
     static DONE: OnceLock<HashMap<String, Counted>> = OnceLock::new();
     DONE.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
-        let all = counting::count(&program(), folder.path()).unwrap_or_else(|said| panic!("{said}"));
+        let all = counting::count(&released(counting::PROGRAM, counting::PROGRAM), folder.path())
+            .unwrap_or_else(|said| panic!("{said}"));
         all.into_iter().map(|case| (case.name.clone(), case)).collect()
     })
 }

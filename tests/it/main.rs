@@ -47,6 +47,7 @@ mod steady_loop;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+mod timing;
 #[path = "../support/viewer.rs"]
 mod viewer;
 mod viewer_link;

@@ -41,6 +41,17 @@ pub fn build(package: &str) -> PathBuf {
     profile.to_owned()
 }
 
+/// Builds one program of a package in release, whatever the tests are: what is counted is what is shipped; yields its path.
+pub fn released(package: &str, program: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its path");
+    let target = test.ancestors().nth(3).expect("tests lie in target/PROFILE/deps");
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    cargo.current_dir(root()).args(["build", "--quiet", "--release", "--package", package, "--bin", program]);
+    cargo.arg("--target-dir").arg(target);
+    assert!(cargo.status().expect("cargo can be started").success(), "{program} does not build");
+    target.join("release").join(program)
+}
+
 /// Compiles a program in C with every warning an error; `more` are further sources, folders and libraries.
 pub fn compiled(source: &str, name: &str, more: &[String]) -> PathBuf {
     let program = std::env::current_exe().expect("a test knows its path").with_file_name(name);

@@ -77,7 +77,7 @@ pub struct Args {
     /// Save the dearest input of the last tier as a recording, which `haptor replay --verify` computes again
     #[arg(long, value_name = "FILE.haptor")]
     save: Option<PathBuf>,
-    /// Folder for timing.json, timing.png, and of every tier the dearest input as a recording and as a trajectory
+    /// Folder for timing.json, timing.png, and of every tier the dearest input as a recording, and the dearest that is poses only as a trajectory
     #[arg(short, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -196,10 +196,13 @@ impl Bench<'_, '_> {
             known.extend(found);
         }
         // the first of equals: a motion with a name goes before what the search made of it
-        let best = known.into_iter().reduce(|best, other| if other.cost > best.cost { other } else { best });
-        let dearest = best.ok_or_else(|| Failure::problem("no tick was measured"))?;
+        let best = |dearests: &mut dyn Iterator<Item = &Dearest>| {
+            dearests.reduce(|best, other| if other.cost > best.cost { other } else { best }).cloned()
+        };
+        let plain = best(&mut known.iter().filter(|dearest| dearest.history.is_plain()));
+        let dearest = best(&mut known.iter()).ok_or_else(|| Failure::problem("no tick was measured"))?;
         let found = self.examine(level, &tuning, dearest)?;
-        Ok(Found { units: found.units.into_iter().chain(units::region(&ticks)).collect(), rows, effort, ..found })
+        Ok(Found { units: found.units.into_iter().chain(units::region(&ticks)).collect(), rows, effort, plain, ..found })
     }
 
     /// Costs of the fixed motions.
@@ -210,10 +213,11 @@ impl Bench<'_, '_> {
             for (history, costs) in share.iter().zip(self.judge.costs(tuning, share)?) {
                 let (tick, cost) = dearest(&costs);
                 let mean = costs.iter().sum::<u64>() / (costs.len() as u64).max(1);
-                fixed.rows.push(Row { name: history.name.clone(), mean, worst: cost });
+                let plain = history.is_plain();
+                fixed.rows.push(Row { name: history.name.clone(), mean, worst: cost, plain });
                 fixed.known.push(Dearest { history: history.clone(), tick, cost });
                 // what is tuned on the way costs something else
-                if history.is_plain() {
+                if plain {
                     fixed.ticks.extend(self.judge.regions(tuning, history)?.into_iter().zip(costs));
                 }
             }
@@ -246,6 +250,7 @@ impl Bench<'_, '_> {
             dearest,
             regions,
             rows: Vec::new(),
+            plain: None,
             effort: None,
         })
     }
@@ -283,8 +288,8 @@ fn keep(args: &Args, judge: &Judge<'_>, base: &Tuning, report: &Report) -> Outco
     for found in &report.levels {
         let file = |kind: &str| folder.join(format!("{}.{kind}", found.level.slug()));
         write_file(&file("haptor"), &recorded(found)?)?;
-        if found.dearest.history.is_plain() {
-            write_file(&file("csv"), found.dearest.history.csv(args.rate).as_bytes())?;
+        if let Some(plain) = &found.plain {
+            write_file(&file("csv"), plain.history.csv(args.rate).as_bytes())?;
         }
     }
     Ok(())

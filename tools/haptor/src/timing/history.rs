@@ -26,6 +26,12 @@ impl History {
         self.tunings.is_empty()
     }
 
+    /// Whether a tick runs at `level`: what was tuned before it, if anything, is of the same tier with as many samples.
+    pub fn is_at(&self, level: &Tuning, tick: usize) -> bool {
+        let holds = self.tunings.iter().rev().find(|(at, _)| *at <= tick);
+        holds.is_none_or(|(_, tuning)| (tuning.tier, tuning.samples) == (level.tier, level.samples))
+    }
+
     /// As records, the first tick numbered `first`.
     pub fn records(&self, level: &Tuning, first: u64) -> Vec<Record<'static>> {
         let mut records = Vec::from(begin(level));

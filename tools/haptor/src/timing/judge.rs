@@ -82,7 +82,7 @@ impl Judge<'_> {
         offline::answer(self.scene, self.rate_hz, records, |_, _| ()).map_err(Failure::problem)
     }
 
-    /// Cost of every tick of every history.
+    /// Cost of every tick of every history; 0 for ticks at another level.
     ///
     /// # Errors
     /// [`Failure::Problem`] when the measuring program fails.
@@ -114,7 +114,8 @@ impl Judge<'_> {
         let take = |history: &History| {
             let (own, others) = rest.split_at(history.poses.len().min(rest.len()));
             rest = others;
-            own.to_vec()
+            // a tick at another level costs this one nothing
+            own.iter().enumerate().map(|(tick, &cost)| if history.is_at(level, tick) { cost } else { 0 }).collect::<Vec<_>>()
         };
         Ok((histories.iter().map(take).collect(), cover))
     }

@@ -30,6 +30,9 @@ const MARKS: [(&str, RGBColor); 4] = [
     ("max", RGBColor(0, 0, 0)),
 ];
 
+/// Room that the name of a mark takes \[pixels\].
+const NAME_WIDTH: i32 = 95;
+
 /// Fill of the columns.
 const FILL: RGBColor = RGBColor(0, 114, 178);
 
@@ -57,7 +60,8 @@ fn paint(path: &Path, report: &Report) -> Drawn {
     area.draw(&Text::new(title, (20, 18), (FONT, 28).into_font()))?;
     let low = rows.iter().filter_map(|(_, timed)| timed.bins.first()).map(|bin| bin.0).min().unwrap_or(1).max(1) as f64;
     let high = rows.iter().map(|(_, timed)| timed.max).max().unwrap_or(1) as f64;
-    let times = 10.0_f64.powf((low / 1000.0).log10().floor())..10.0_f64.powf((high / 1000.0).log10().ceil());
+    // to the right room for the names of the tiers
+    let times = 0.8 * low / 1000.0..6.0 * high / 1000.0;
     for (index, (name, timed)) in rows.iter().enumerate() {
         let (top, last) = (TITLE + ROW * index as u32, index + 1 == rows.len());
         let bottom = top + ROW + if last { AXIS } else { 0 };
@@ -93,34 +97,29 @@ fn row(
         .axis_desc_style((FONT, 18))
         .y_labels(4)
         .y_desc("ticks");
-    let (time, count) = (|time: &f64| format!("{time}"), |count: &f64| power(*count));
+    let (time, count) = (|time: &f64| if last { format!("{time}") } else { String::new() }, |count: &f64| power(*count));
     mesh.x_label_formatter(&time).y_label_formatter(&count);
     if last {
         mesh.x_desc("time of a tick [us]");
-    } else {
-        mesh.x_labels(0);
     }
     mesh.draw()?;
     chart
         .draw_series(columns.iter().map(|&(from, to, count)| Rectangle::new([(from, 0.5), (to, count as f64)], FILL.filled())))?;
     let values = [timed.p50, timed.p999, timed.p9999, timed.max].map(|ns| ns as f64 / 1000.0);
+    let pixel = |time: f64| chart.plotting_area().map_coordinate(&(time, counts.end));
+    let pixels = values.map(pixel);
+    let (left, top) = area.get_base_pixel();
     for (k, ((mark, colour), time)) in MARKS.iter().zip(values).enumerate() {
         chart.draw_series(LineSeries::new([(time, counts.start), (time, counts.end)], colour.stroke_width(2)))?;
-        // one below the other: neighbours may be close; far to the right they stand on the left
-        let (x, y) = chart.plotting_area().map_coordinate(&(time, counts.end));
-        let (at, side) = if is_far(time, times) { (HPos::Right, -5) } else { (HPos::Left, 5) };
+        // on the left of its line where the next one is too close; one below the other
+        let crowded = pixels.get(k + 1).is_some_and(|next| next.0 - pixels[k].0 < NAME_WIDTH);
+        let (at, side) = if crowded { (HPos::Right, -5) } else { (HPos::Left, 5) };
         let style = (FONT, 16).into_font().color(colour).pos(Pos::new(at, VPos::Top));
-        let (left, top) = area.get_base_pixel();
-        area.draw_text(&format!("{mark} {time:.1}"), &style, (x - left + side, y - top + 2 + 17 * k as i32))?;
+        area.draw_text(&format!("{mark} {time:.1}"), &style, (pixels[k].0 - left + side, pixels[k].1 - top + 2 + 17 * k as i32))?;
     }
     let style = (FONT, 22).into_font().color(&BLACK).pos(Pos::new(HPos::Right, VPos::Bottom));
-    area.draw_text(name, &style, (WIDTH as i32 - 34, ROW as i32 - 24))?;
+    area.draw_text(name, &style, (WIDTH as i32 - 34, ROW as i32 - 26))?;
     Ok(())
-}
-
-/// Whether there is no room for a name on the right.
-fn is_far(time: f64, times: &std::ops::Range<f64>) -> bool {
-    (time / times.start).log10() > 0.85 * (times.end / times.start).log10()
 }
 
 /// A count as a power of ten where it is one.

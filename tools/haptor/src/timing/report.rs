@@ -25,6 +25,8 @@ pub struct Row {
     pub mean: u64,
     /// Cost of the dearest.
     pub worst: u64,
+    /// Poses and nothing else.
+    pub plain: bool,
 }
 
 /// What was found at a level.
@@ -36,6 +38,8 @@ pub struct Found {
     pub rows: Vec<Row>,
     /// The dearest tick of all.
     pub dearest: Dearest,
+    /// The dearest of histories that are poses and nothing else.
+    pub plain: Option<Dearest>,
     /// Regions in that tick.
     pub regions: usize,
     /// How far the search came; `None` when poses were given.
@@ -165,6 +169,7 @@ impl Report {
             let shares = self.shares(timed).map(|share| format!("{:>10.2} %", 100.0 * share)).concat();
             let _ = writeln!(text, "{:<15}{columns}{shares}  {} times", found.level.name(), timed.preempted);
         }
+        text.push_str("the far quantiles are this machine's: interrupts, neighbours and a hypervisor count as well\n");
     }
 
     fn timed(&self) -> impl Iterator<Item = (&Found, &Timed)> {
@@ -237,12 +242,14 @@ impl Report {
         let stages: serde_json::Map<_, _> =
             found.stages.iter().map(|(name, count)| ((*name).to_owned(), (*count).into())).collect();
         let units = found.units.iter().map(|unit| json!({ "one_more": unit.what, "cost": unit.cost, "how": unit.how }));
-        let rows = found.rows.iter().map(|row| json!({ "motion": row.name, "mean": row.mean, "worst": row.worst }));
+        let rows =
+            found.rows.iter().map(|row| json!({ "motion": row.name, "mean": row.mean, "worst": row.worst, "plain": row.plain }));
         json!({
             "tier": found.level.tier.name(),
             "samples": found.level.samples,
             "name": found.level.name(),
             "dearest": { "cost": found.dearest.cost, "input": found.dearest.history.name, "tick": found.dearest.tick, "regions": found.regions },
+            "dearest_plain": found.plain.as_ref().map(|dearest| dearest.cost),
             "motions": rows.collect::<Vec<_>>(),
             "search": found.effort.map(|effort| json!({
                 "histories": effort.histories, "generations": effort.generations, "restarts": effort.restarts,

@@ -1,0 +1,163 @@
+//! The dearest inputs that a search has found for the ready scenes stay as dear as they are, and the command that finds them keeps what it says.
+//!
+//! The inputs lie in `tests/bench/worst`, their counts in `tests/bench/WORST.md`; `cargo xtask timing --kept` counts them anew, `cargo xtask timing` searches anew.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::cli::{build, haptor, released, root};
+
+#[path = "../support/worst.rs"]
+mod worst;
+
+#[path = "../../tools/haptor/src/timing/callgrind.rs"]
+mod callgrind;
+
+use callgrind::{ByFile, Job, by_file};
+use worst::{Kept, rows};
+
+/// How much a count may grow.
+const GROWTH: f64 = 1.02;
+
+fn table() -> Vec<Kept> {
+    let file = worst::table_file(Path::new(root()));
+    let text =
+        fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}; make it: cargo xtask timing", file.display()));
+    let rows = rows(&text);
+    assert!(rows.len() >= 16, "{} has {} rows", file.display(), rows.len());
+    rows
+}
+
+/// Instructions of the dearest tick of a kept input, by the released program.
+fn counted(program: &Path, kept: &Kept) -> u64 {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("ticks.haptor");
+    haptor()
+        .arg("record")
+        .arg("-o")
+        .arg(&recording)
+        .arg(kept.scene_file())
+        .arg("--trajectory")
+        .arg(kept.input())
+        .assert()
+        .success();
+    let (file, samples) = (recording.to_string_lossy(), kept.samples().to_string());
+    let args = [&*file, "--tier", kept.tier(), "--samples", &samples, "count"];
+    let marked = &["haptor_host::measure::run::measured_tick"];
+    let job = Job { program, args: &args, pattern: "*measured_*", marked, lines: false, folder: folder.path() };
+    let said: Value = serde_json::from_str(&job.run().unwrap()).unwrap();
+    let ticks = said["ticks"].as_u64().unwrap() as usize;
+    let total = |call| by_file(&job.dump(call).unwrap(), &mut Default::default(), &mut ByFile::new());
+    (0..ticks).map(total).max().unwrap()
+}
+
+#[test]
+fn no_worst_tick_grew_beyond_the_table() {
+    let program = released("haptor-host", "haptor-measure");
+    let grown: Vec<_> = table()
+        .iter()
+        .filter_map(|kept| {
+            let found = counted(&program, kept);
+            let growth = found as f64 / kept.worst as f64;
+            (growth > GROWTH).then(|| {
+                format!("{}: {found} instructions, the table has {} ({:+.1} %)", kept.name(), kept.worst, 100.0 * (growth - 1.0))
+            })
+        })
+        .collect();
+    assert!(grown.is_empty(), "{}\nif this is the price of something: cargo xtask timing --kept", grown.join("\n"));
+}
+
+#[test]
+fn what_the_search_found_is_no_cheaper_than_the_fixed_motions() {
+    for kept in table() {
+        assert!(kept.worst >= kept.motions, "{}: a fixed motion costs more; search anew: cargo xtask timing", kept.name());
+    }
+}
+
+/// The tool of this build beside the released measuring program.
+fn folder_of_programs() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |from: PathBuf, name: &str| fs::copy(from, folder.path().join(name)).unwrap();
+    put(crate::cli::built("haptor"), "haptor");
+    put(released("haptor-host", "haptor-measure"), "haptor-measure");
+    folder
+}
+
+/// The table's second column is no invention: today's fixed motions of one scene are not dearer than its kept inputs.
+#[test]
+fn fixed_motions_of_the_cube_cost_no_more_than_the_table_says() {
+    let programs = folder_of_programs();
+    let mut tool = assert_cmd::Command::new(programs.path().join("haptor"));
+    let args = ["timing", "tests/scenes/cube-twist.toml", "--search-seconds", "0", "--ticks", "0", "--json"];
+    let said = tool.current_dir(root()).args(args).assert().success();
+    let report: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+    for level in report["levels"].as_array().unwrap() {
+        let name = format!("cube-twist, {}", level["name"].as_str().unwrap());
+        let kept = table().into_iter().find(|kept| kept.name() == name).unwrap_or_else(|| panic!("no row {name}"));
+        let motions = level["motions"].as_array().unwrap().iter().filter(|motion| motion["plain"] == true);
+        let worst = motions.map(|motion| motion["worst"].as_u64().unwrap()).max().unwrap();
+        assert!(
+            worst as f64 <= GROWTH * kept.worst as f64,
+            "{name}: a fixed motion costs {worst}, the kept input {}",
+            kept.worst
+        );
+        let stages: u64 = level["stages"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
+        assert_eq!(stages, level["dearest"]["cost"].as_u64().unwrap(), "{name}: stages do not add up");
+    }
+    let exercised = &report["exercised"]["conditions"];
+    for condition in [
+        "region born",
+        "region left",
+        "sticks and slips",
+        "slips all over",
+        "cells fitted anew",
+        "tier changed",
+        "pose jump",
+        "force limited",
+    ] {
+        assert!(exercised[condition].as_u64().unwrap() > 0, "{condition} was not exercised");
+    }
+}
+
+#[test]
+fn a_seed_finds_the_same_twice_and_what_is_saved_is_computed_again() {
+    build("haptor-host");
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str| {
+        let saved = folder.path().join(name);
+        let args = [
+            "timing",
+            "tests/scenes/compass.toml",
+            "--tier",
+            "point",
+            "--generations",
+            "2",
+            "--seed",
+            "5",
+            "--ticks",
+            "0",
+            "--json",
+        ];
+        let said = haptor().args(args).arg("--save").arg(&saved).assert().success().get_output().stdout.clone();
+        haptor().arg("replay").arg(&saved).arg("--verify").assert().success();
+        (said, fs::read(&saved).unwrap())
+    };
+    assert_eq!(run("first.haptor"), run("second.haptor"));
+}
+
+#[test]
+fn what_cannot_be_measured_is_told() {
+    build("haptor-host");
+    for (args, part) in [
+        (&["tests/scenes/cube-twist.toml", "--tier", "bristle", "--samples", "9"][..], "16"),
+        (&["tests/scenes/cube-twist.toml", "--tier", "green"], "table"),
+        (&["tests/scenes/cube-twist.toml", "--poses", "missing.csv"], "missing.csv"),
+        (&["tests/scenes/cube-twist.toml", "--rate", "9"], "100"),
+    ] {
+        let assert = haptor().arg("timing").args(args).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(part), "{args:?}: {said}");
+    }
+}
