@@ -18,6 +18,9 @@ mod recordings;
 mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
+mod timing;
+#[path = "../../../tests/support/worst.rs"]
+mod worst;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -48,6 +51,9 @@ enum Cli {
     /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
     #[command(after_help = "Example: cargo xtask counts")]
     Counts,
+    /// Searches the dearest ticks of the ready scenes, times them, and writes tests/bench/TIMING.md, WORST.md and the inputs
+    #[command(after_help = "Example: cargo xtask timing --kept")]
+    Timing(timing::Args),
     /// Runs host and simulated device over USB on a real-time kernel in an emulator; with the drills, unplugs, halts and damages
     #[command(after_help = "Example: cargo xtask guest --drills --seconds 3")]
     Guest {
@@ -100,6 +106,7 @@ fn main() -> ExitCode {
         Cli::M7 { only: None } => m7::run(),
         Cli::M7 { only: Some(M7::Device(args)) } => m7::device(&args),
         Cli::Counts => counts::run(),
+        Cli::Timing(args) => timing::run(&args),
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),

@@ -86,7 +86,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let scene = Scene::load(&args.scene)?;
     let measure = Measure::find()?;
-    let given = args.poses.as_deref().map(|path| given(path)).transpose()?;
+    let given = args.poses.as_deref().map(given).transpose()?;
     let baked = baked(&scene, args)?;
     let read = Baked::read(&baked).map_err(|error| refused(args, &error))?;
     let levels = levels(args, &read)?;

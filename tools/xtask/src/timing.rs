@@ -1,0 +1,268 @@
+//! `cargo xtask timing`: what a tick of the ready scenes costs at worst, as `tests/bench/TIMING.md` and `WORST.md`, and the inputs that cost it.
+//!
+//! The search keeps its dearest inputs in `tests/bench/worst`; `--kept` counts those anew, which takes a minute where a search and ten million ticks a tier take
+//! hours.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{ExitCode, Stdio};
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+
+use crate::demo;
+use crate::run::{self, ask, root, target};
+use crate::scenes::SCENES;
+use crate::worst::{self, Kept, rows};
+
+/// What is asked for.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Ticks to time for each tier
+    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    ticks: u64,
+    /// Length of the search for each tier [s]
+    #[arg(long, value_name = "S", default_value_t = 120)]
+    search_seconds: u64,
+    /// Count the kept inputs and the fixed motions anew; search and time nothing
+    #[arg(long)]
+    kept: bool,
+    /// Folder with the released programs, in place of building them
+    #[arg(long, value_name = "DIR")]
+    programs: Option<PathBuf>,
+    /// Folder with results of `haptor timing -o DIR/SCENE`, in place of running it
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["kept", "programs"])]
+    results: Option<PathBuf>,
+}
+
+/// Measures, and writes the documents.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let programs = || args.programs.clone().map_or_else(demo::build, Ok);
+    if args.kept {
+        let kept = again(&programs()?.join("haptor"))?;
+        return written(&worst::table_file(root()), &worst_table(&kept)?);
+    }
+    let results = match &args.results {
+        Some(folder) => folder.clone(),
+        None => measure(args, &programs()?.join("haptor"))?,
+    };
+    let (mut text, mut kept) = (head()?, Vec::new());
+    for scene in SCENES {
+        let report = report(&results.join(scene).join("timing.json"))?;
+        scene_text(&mut text, scene, &report)?;
+        kept.extend(keep(&results.join(scene), scene, &report)?);
+    }
+    written(&worst::table_file(root()), &worst_table(&kept)?)?;
+    written(&root().join("tests/bench/TIMING.md"), &text)
+}
+
+fn written(file: &Path, text: &str) -> Result<ExitCode> {
+    fs::write(file, text).with_context(|| format!("{}", file.display()))?;
+    println!("{} written", file.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs the tool on every scene; yields the folder with the results.
+fn measure(args: &Args, haptor: &Path) -> Result<PathBuf> {
+    let folder = target()?.join("timing");
+    for scene in SCENES {
+        let mut command = run::program(haptor);
+        command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]);
+        command.args(["--search-seconds", &args.search_seconds.to_string(), "-o"]).arg(folder.join(scene));
+        run::run(&mut command)?;
+    }
+    Ok(folder)
+}
+
+fn report(file: &Path) -> Result<Value> {
+    let text = fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
+    serde_json::from_str(&text).with_context(|| format!("{}", file.display()))
+}
+
+/// Keeps the inputs of a scene.
+fn keep(folder: &Path, scene: &str, report: &Value) -> Result<Vec<Kept>> {
+    if report["cost_unit"] != "instructions" {
+        bail!("{scene}: nothing counted instructions; install Debian's package valgrind");
+    }
+    let mut kept = Vec::new();
+    for level in list(&report["levels"]) {
+        let name = text(&level["name"]);
+        let one =
+            Kept { scene: scene.into(), level: name.clone(), worst: number(&level["dearest_plain"]), motions: motions(level) };
+        let (from, to) = (folder.join(format!("{}.csv", name.replace(' ', "-"))), root().join(one.input()));
+        fs::create_dir_all(to.parent().unwrap_or(root()))
+            .and_then(|()| fs::copy(&from, &to))
+            .with_context(|| format!("{}", from.display()))?;
+        kept.push(one);
+    }
+    Ok(kept)
+}
+
+/// The dearest tick of the motions that are poses and nothing else.
+fn motions(level: &Value) -> u64 {
+    let plain = list(&level["motions"]).iter().filter(|motion| motion["plain"] == true);
+    plain.map(|motion| number(&motion["worst"])).max().unwrap_or(0)
+}
+
+/// Counts what is kept, and the fixed motions, anew.
+fn again(haptor: &Path) -> Result<Vec<Kept>> {
+    let file = worst::table_file(root());
+    let table = fs::read_to_string(&file).with_context(|| format!("{}", file.display()))?;
+    let mut kept = rows(&table);
+    for scene in SCENES {
+        let fixed = counts(haptor, &format!("tests/scenes/{scene}.toml"), &["--search-seconds", "0"])?;
+        for one in kept.iter_mut().filter(|one| one.scene == scene) {
+            let level = list(&fixed["levels"]).iter().find(|level| level["name"] == one.level.as_str());
+            one.motions = level.map(motions).with_context(|| format!("the scene has no level {}", one.level))?;
+            let (input, samples) = (one.input(), one.samples().to_string());
+            let args = ["--tier", one.tier(), "--samples", &samples, "--poses", &input];
+            one.worst = number(&counts(haptor, &one.scene_file(), &args)?["levels"][0]["dearest"]["cost"]);
+        }
+    }
+    Ok(kept)
+}
+
+/// What the tool says of a scene without timing it.
+fn counts(haptor: &Path, scene: &str, more: &[&str]) -> Result<Value> {
+    eprintln!("$ haptor timing {scene} {}", more.join(" "));
+    let mut command = run::program(haptor);
+    let output = command.args(["timing", scene, "--ticks", "0", "--json"]).args(more).stderr(Stdio::inherit()).output();
+    let output = output.with_context(|| format!("{} cannot be started", haptor.display()))?;
+    serde_json::from_slice(&output.stdout).with_context(|| format!("{scene}: haptor timing ended with {}", output.status))
+}
+
+fn worst_table(kept: &[Kept]) -> Result<String> {
+    let mut text = WORST_HEAD.to_owned();
+    let versions = ["rustc", "valgrind"].map(|program| ask(program, &["--version"]).unwrap_or_default());
+    writeln!(text, "Compiler: {}. Counter: {}, callgrind.\n", versions[0], versions[1])?;
+    text += "| scene, tier | dearest tick | dearest of the fixed motions |\n|---|---:|---:|\n";
+    for one in kept {
+        writeln!(text, "| {} | {} | {} |", one.name(), one.worst, one.motions)?;
+    }
+    Ok(text)
+}
+
+/// Machine, date, compiler.
+fn head() -> Result<String> {
+    let cpu = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let cpu = cpu
+        .lines()
+        .find_map(|line| line.strip_prefix("model name"))
+        .and_then(|line| line.split(':').nth(1))
+        .unwrap_or("unknown")
+        .trim()
+        .to_owned();
+    let say = |program: &str, args: &[&str]| ask(program, args).unwrap_or_default();
+    let (date, kernel, cpus) = (say("date", &["+%-d %B %Y"]), say("uname", &["-sr"]), say("nproc", &[]));
+    let mut text = TIMING_HEAD.to_owned();
+    writeln!(
+        text,
+        "Measured {date} on {cpus} CPUs of {cpu}, {kernel}, {}, {}.",
+        say("rustc", &["--version"]),
+        say("valgrind", &["--version"])
+    )?;
+    Ok(text)
+}
+
+fn scene_text(into: &mut String, scene: &str, report: &Value) -> Result<()> {
+    writeln!(into, "\n## {scene}\n\nUp to {} parts touch at once. Seed {}.\n", report["parts_touching"], report["seed"])?;
+    *into += "| tier | instructions | regions | input | histories tried | ticks timed | p50 | p99.9 | p99.99 | max | max of 1 ms | FIFO | stack |\n";
+    *into += "|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---|---:|\n";
+    let levels = list(&report["levels"]);
+    for level in levels {
+        let (dearest, time) = (&level["dearest"], &level["time"]);
+        let us = |name: &str| format!("{:.1} us", number(&time[name]) as f64 / 1000.0);
+        writeln!(
+            into,
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} % | {} | {} |",
+            text(&level["name"]),
+            dearest["cost"],
+            dearest["regions"],
+            text(&dearest["input"]),
+            level["search"]["histories"],
+            time["ticks"],
+            us("p50_ns"),
+            us("p99_9_ns"),
+            us("p99_99_ns"),
+            us("max_ns"),
+            100.0 * time["max_of_1_khz"].as_f64().unwrap_or(0.0),
+            if time["fifo"] == true { "yes" } else { "refused" },
+            level["stack_bytes"],
+        )?;
+    }
+    stages(into, levels)?;
+    let units = levels.iter().flat_map(|level| list(&level["units"]).iter().map(move |unit| (level, unit)));
+    for (level, unit) in units {
+        writeln!(
+            into,
+            "- {}: one {} more is {:.0} instructions ({})",
+            text(&level["name"]),
+            text(&unit["one_more"]),
+            unit["cost"].as_f64().unwrap_or(0.0),
+            text(&unit["how"])
+        )?;
+    }
+    exercised(into, &report["exercised"])
+}
+
+fn stages(into: &mut String, levels: &[Value]) -> Result<()> {
+    let Some(names) = levels.first().and_then(|level| level["stages"].as_object()) else { return Ok(()) };
+    let names: Vec<&String> = names.keys().collect();
+    let joined = names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(" | ");
+    writeln!(into, "\nInstructions of the dearest tick by stage:\n\n| tier | {joined} |\n|---{}|", "|---:".repeat(names.len()))?;
+    for level in levels {
+        let counts = names.iter().map(|name| level["stages"][name.as_str()].to_string()).collect::<Vec<_>>().join(" | ");
+        writeln!(into, "| {} | {counts} |", text(&level["name"]))?;
+    }
+    into.push('\n');
+    Ok(())
+}
+
+fn exercised(into: &mut String, report: &Value) -> Result<()> {
+    let reached: Vec<_> = list(&report["regions"])
+        .iter()
+        .enumerate()
+        .filter(|(_, ticks)| number(ticks) > 0)
+        .map(|(count, _)| count.to_string())
+        .collect();
+    let unmet: Vec<_> = report["conditions"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, ticks)| number(ticks) == 0)
+        .map(|(name, _)| name.as_str())
+        .collect();
+    writeln!(into, "\nExercised in {} ticks: {} regions. Not met: {}.", report["ticks"], reached.join(", "), unmet.join(", "))?;
+    Ok(())
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn number(value: &Value) -> u64 {
+    value.as_u64().unwrap_or(0)
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
+}
+
+const WORST_HEAD: &str = "\
+# The dearest ticks of the ready scenes, in instructions
+
+Written by `cargo xtask timing`, counted anew by `cargo xtask timing --kept`; `tests/it/timing.rs` fails when a count grows by more than 2 %. Instructions of x86-64,
+release profile of this workspace, exact, of the engine's step: the core's and some hundred for poses and report. The inputs lie in [worst](worst), a trajectory for each row, found by
+the search of `haptor timing` or taken from its fixed motions where those are dearer. A search proves no bound: it shows a tick that costs as much.
+
+";
+
+const TIMING_HEAD: &str = "\
+# What a tick of the ready scenes costs at worst
+
+Written by `cargo xtask timing`, which runs `haptor timing` on each scene: for every tier fixed motions and a search for the dearest tick, its exact instructions (x86-64, callgrind), and the
+time of that input over and over under SCHED_FIFO, pinned, with locked memory, where the system grants them. Counts are exact and the same on every run; far quantiles and max are the machine's:
+interrupts, neighbours and the hypervisor count as well. Counts of an emulated Cortex-M7: `cargo xtask m7`. Columns of stages as in [COUNTS.md](COUNTS.md).
+
+";
