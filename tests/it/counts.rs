@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use crate::cli::{released, root};
 
 #[path = "../support/counts.rs"]
-mod counting;
+pub mod counting;
 
 use counting::Counted;
 

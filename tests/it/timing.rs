@@ -12,10 +12,7 @@ use crate::cli::{build, haptor, released, root};
 #[path = "../support/worst.rs"]
 mod worst;
 
-#[path = "../../tools/haptor/src/timing/callgrind.rs"]
-mod callgrind;
-
-use callgrind::{ByFile, Job, by_file};
+use crate::counts::counting::callgrind::{ByFile, Job, by_file};
 use worst::{Kept, rows};
 
 /// How much a count may grow.

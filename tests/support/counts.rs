@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+#[allow(dead_code, reason = "stages are a table's, which the test does not write")]
 #[path = "../../tools/haptor/src/timing/callgrind.rs"]
 pub mod callgrind;
 

@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), HostError> {
     let bodies = stream.bodies(&args.file)?;
     let mut engine = Box::new(Aligned(stream.engine(&args.file, &bodies)?));
     match args.how {
-        How::Count => aside(|| count(&mut engine.0, &stream.ops)).map(|ticks| tell::counted(ticks)),
+        How::Count => aside(|| count(&mut engine.0, &stream.ops)).map(tell::counted),
         How::Fastest { rounds } => {
             aside(|| fastest(&mut engine.0, &stream.ops, rounds, &Monotonic)).map(|least| tell::fastest(&least))
         }
