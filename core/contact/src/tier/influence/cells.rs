@@ -52,8 +52,11 @@ fn spread<const W: usize>(load: &mut [[f32; W]; W], half: usize, i: usize, j: us
     let (left, right, low, high) = (half - 1 - i, half + i, half - 1 - j, half + j);
     for column in [left, right] {
         for row in [low, high] {
-            load[row][column] = value;
-            load[column][row] = value;
+            for (row, column) in [(row, column), (column, row)] {
+                if let Some(cell) = load.get_mut(row).and_then(|row| row.get_mut(column)) {
+                    *cell = value;
+                }
+            }
         }
     }
 }

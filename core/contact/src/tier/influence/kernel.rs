@@ -48,8 +48,9 @@ impl<const W: usize> Kernel<W> {
         self.xx[0][W - 1]
     }
 
-    /// What a row of cells feels of the cell in column `column`, `up` rows away.
+    /// What a row of cells feels of the cell in column `column`, `up` rows away, at most W - 1.
     pub fn rows(&self, up: usize, column: usize) -> Rows<'_, W> {
+        let up = up.min(W - 1);
         Rows { xx: window(&self.xx[up], column), xy: window(&self.xy[up], column), yy: window(&self.yy[up], column) }
     }
 }
