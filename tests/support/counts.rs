@@ -16,7 +16,7 @@ pub const PROGRAM: &str = "haptor-counts";
 pub const VALGRIND: &str = "valgrind";
 
 /// The marked functions.
-const MARKED: [&str; 2] = ["haptor_counts::measured_tick", "haptor_counts::measured_surface"];
+const MARKED: [&str; 2] = ["haptor_counts::bench::measured_tick", "haptor_counts::bench::measured_surface"];
 
 /// Where the table lies; `root` is the repository's.
 pub fn table_file(root: &Path) -> PathBuf {
