@@ -3,6 +3,7 @@
 mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
+mod bench_cli;
 mod bits;
 mod c_abi;
 mod c_device;
@@ -41,6 +42,7 @@ mod served;
 mod session;
 mod stability;
 mod state_room;
+mod steady_loop;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
