@@ -1,4 +1,8 @@
-//! Which scenes are counted: one list. A feature of the core gets a row here, with it and without it.
+//! Which scenes are counted: one list, on a PC and on a Cortex-M7. A feature of the core gets a row here, with it and without it.
+//!
+//! Needs nothing but the core, so that the image for the Cortex-M7 can include this file.
+
+use core::fmt;
 
 use haptor_contact::{
     Breakaway, CouplingSpec, GuardSpec, Material, ObjectShape, ParamsSpec, Passivity, Pose, ProbeFrame, ProbePart, ProbeShape,
@@ -10,6 +14,13 @@ pub const ROUND: usize = 48;
 
 /// The material of the paper's Table I.
 pub const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+
+/// Vertices along a side of a whole surface, and of it all: what the field loops are meant for.
+const SIDE: usize = 64;
+pub const VERTICES: usize = SIDE * SIDE;
+
+/// Updates of a surface that are counted: every one costs the same but for the branches of its closed forms.
+pub const UPDATES: usize = 2;
 
 /// How the probe moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,15 +35,27 @@ enum Motion {
     Clear,
 }
 
+/// Words that name a scene; the first is not empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Name([&'static str; 4]);
+
+impl fmt::Display for Name {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, more @ ..] = self.0;
+        out.write_str(first)?;
+        more.iter().filter(|word| !word.is_empty()).try_for_each(|word| write!(out, ", {word}"))
+    }
+}
+
 /// A scene in motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Its name, unique.
-    pub name: String,
+    pub name: Name,
     /// The elastic object.
     pub object: ObjectShape<'static>,
     /// The probe.
-    pub probe: Vec<ProbePart<'static>>,
+    pub probe: &'static [ProbePart<'static>],
     /// Everything else.
     pub params: ParamsSpec,
     /// Mass of the probe \[kg\].
@@ -63,30 +86,33 @@ impl Case {
         Pose::new(position, Quat::from_rotation_z(angle))
     }
 
-    /// Vertices of the undeformed surface around the contacts: a square of 0.1 m on the object's top.
-    pub fn surface_at_rest(&self, count: usize) -> Vec<Vec3> {
-        let side = count.isqrt();
-        let at = |k: usize| 0.1 * ((k as f32 + 0.5) / side as f32 - 0.5);
-        (0..side * side).map(|k| Vec3::new(at(k % side), at(k / side), self.object.height())).collect()
+    /// A vertex of the undeformed surface around the contacts: a square of 0.1 m on the object's top.
+    pub fn vertex_at_rest(&self, k: usize) -> Vec3 {
+        let at = |k: usize| 0.1 * ((k as f32 + 0.5) / SIDE as f32 - 0.5);
+        Vec3::new(at(k % SIDE), at(k / SIDE), self.object.height())
     }
 }
 
 /// A ball of 20 mm.
-fn ball() -> Vec<ProbePart<'static>> {
-    vec![ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })]
-}
+const BALL: &[ProbePart<'static>] = &[ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
 
 /// Ten balls of 10 mm in two rows, 30 mm apart.
-fn ten() -> Vec<ProbePart<'static>> {
-    let place = |i: usize| Vec3::new(0.03 * ((i % 5) as f32 - 2.0), 0.03 * ((i / 5) as f32 - 0.5), -0.01);
-    let leg = |i| ProbePart { position: place(i), ..ProbePart::at_origin(ProbeShape::Sphere { radius: 0.01 }) };
-    (0..10).map(leg).collect()
+const TEN: &[ProbePart<'static>] = &ten();
+
+const fn ten() -> [ProbePart<'static>; 10] {
+    let mut legs = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.01 }); 10];
+    let mut i = 0;
+    while i < legs.len() {
+        legs[i].position = Vec3::new(0.03 * ((i % 5) as f32 - 2.0), 0.03 * ((i / 5) as f32 - 0.5), -0.01);
+        i += 1;
+    }
+    legs
 }
 
 /// Names and settings of friction, from none up the tiers.
-fn frictions() -> Vec<(&'static str, ParamsSpec)> {
+fn frictions() -> [(&'static str, ParamsSpec); 5] {
     let plain = |tier, samples| ParamsSpec { tier, samples, ..ParamsSpec::default() };
-    vec![
+    [
         ("no friction", ParamsSpec { friction_dynamic: 0.0, ..ParamsSpec::default() }),
         ("point", plain(Tier::Point, 64)),
         ("paper 64", plain(Tier::Paper, 64)),
@@ -95,32 +121,41 @@ fn frictions() -> Vec<(&'static str, ParamsSpec)> {
     ]
 }
 
-/// Every scene.
-pub fn all() -> Vec<Case> {
-    let mut cases = Vec::new();
-    for (friction, params) in frictions() {
-        for (body, object) in [("half space", ObjectShape::HalfSpace), ("box", TABLE)] {
-            for (count, probe, regions) in [("one region", ball(), 1), ("ten regions", ten(), 10)] {
-                for (turn, motion) in [("slide", Motion::Slide), ("twist", Motion::Twist)] {
-                    let name = format!("{friction}, {body}, {count}, {turn}");
-                    cases.push(Case { name, object, probe: probe.clone(), params, motion, regions, ..base() });
-                }
-            }
-        }
-    }
-    cases.extend(features());
-    cases
-}
-
 /// A box wide enough for the ten balls.
 const TABLE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 0.1) };
+
+/// What friction is combined with.
+const BODIES: [(&str, ObjectShape<'_>); 2] = [("half space", ObjectShape::HalfSpace), ("box", TABLE)];
+const PROBES: [(&str, &[ProbePart<'_>], u8); 2] = [("one region", BALL, 1), ("ten regions", TEN, 10)];
+const TURNS: [(&str, Motion); 2] = [("slide", Motion::Slide), ("twist", Motion::Twist)];
+
+/// Every scene.
+pub fn all() -> impl Iterator<Item = Case> {
+    frictions().into_iter().flat_map(combined).chain(FEATURES.iter().map(|(name, change)| {
+        let mut case = Case { name: Name([name, "", "", ""]), ..base() };
+        change(&mut case);
+        case
+    }))
+}
+
+/// A friction with every body, probe and turn.
+fn combined((friction, params): (&'static str, ParamsSpec)) -> impl Iterator<Item = Case> {
+    BODIES.into_iter().flat_map(move |(body, object)| {
+        PROBES.into_iter().flat_map(move |(count, probe, regions)| {
+            TURNS.into_iter().map(move |(turn, motion)| {
+                let name = Name([friction, body, count, turn]);
+                Case { name, object, probe, params, motion, regions, ..base() }
+            })
+        })
+    })
+}
 
 /// One ball on the half space, twisted, tier `bristle`.
 fn base() -> Case {
     Case {
-        name: String::new(),
+        name: Name(["base", "", "", ""]),
         object: ObjectShape::HalfSpace,
-        probe: ball(),
+        probe: BALL,
         params: ParamsSpec::default(),
         mass: 1.0,
         motion: Motion::Twist,
@@ -130,45 +165,43 @@ fn base() -> Case {
     }
 }
 
+/// A name, and what it changes.
+type Feature = (&'static str, fn(&mut Case));
+
 /// That ball: with one feature more or less than the row of that name above.
-fn features() -> Vec<Case> {
-    let base = base();
-    let case = |name: &str, change: &dyn Fn(&mut Case)| {
-        let mut case = Case { name: name.to_owned(), ..base.clone() };
-        change(&mut case);
-        case
-    };
-    vec![
-        case("base", &|_| ()),
-        case("base, gravity", &|c| c.params.gravity = true),
-        case("base, guard without limits", &|c| c.params.guard = GuardSpec::OPEN),
-        case("base, guard with passivity", &|c| c.params.guard.passivity = Some(Passivity::default())),
-        case("base, virtual coupling", &|c| couple(c)),
-        case("no friction, virtual coupling", &|c| {
-            couple(c);
-            c.params.friction_dynamic = 0.0;
-        }),
-        case("base, static friction, smooth", &|c| c.params.friction_static = Some(0.9)),
-        case("base, static friction, sharp", &|c| {
-            (c.params.friction_static, c.params.breakaway) = (Some(0.9), Breakaway::Sharp);
-        }),
-        case("base, bristle 16", &|c| c.params.samples = 16),
-        case("base, bristle 256", &|c| c.params.samples = 256),
-        case("base, influence 112", &|c| (c.params.tier, c.params.samples) = (Tier::Influence, 112)),
-        case("base, held still", &|c| c.motion = Motion::Still),
-        case("base, no friction, tier influence", &|c| {
-            c.params = ParamsSpec { friction_dynamic: 0.0, tier: Tier::Influence, samples: 52, ..c.params };
-        }),
-        case("no contact, one part", &|c| (c.motion, c.regions) = (Motion::Clear, 0)),
-        case("no contact, ten parts", &|c| (c.probe, c.motion, c.regions) = (ten(), Motion::Clear, 0)),
-        case("surface of 4096, local, one region", &|c| c.surface = Some(false)),
-        case("surface of 4096, full, one region, box", &|c| (c.surface, c.object) = (Some(true), TABLE)),
-        case("surface of 4096, local, ten regions", &|c| (c.surface, c.probe, c.regions) = (Some(false), ten(), 10)),
-        case("surface of 4096, full, ten regions, box", &|c| {
-            (c.surface, c.probe, c.regions, c.object) = (Some(true), ten(), 10, TABLE);
-        }),
-    ]
-}
+const FEATURES: [Feature; 20] = [
+    ("base", |_| ()),
+    ("base, gravity", |c| c.params.gravity = true),
+    ("base, guard without limits", |c| c.params.guard = GuardSpec::OPEN),
+    ("base, guard with passivity", |c| c.params.guard.passivity = Some(Passivity::default())),
+    ("base, virtual coupling", couple),
+    ("no friction, virtual coupling", |c| {
+        couple(c);
+        c.params.friction_dynamic = 0.0;
+    }),
+    ("base, static friction, smooth", |c| c.params.friction_static = Some(0.9)),
+    ("base, static friction, sharp", |c| {
+        (c.params.friction_static, c.params.breakaway) = (Some(0.9), Breakaway::Sharp);
+    }),
+    ("base, bristle 16", |c| c.params.samples = 16),
+    ("base, bristle 256", |c| c.params.samples = 256),
+    ("base, influence 112", |c| (c.params.tier, c.params.samples) = (Tier::Influence, 112)),
+    ("base, held still", |c| c.motion = Motion::Still),
+    ("base, no friction, tier influence", |c| {
+        c.params = ParamsSpec { friction_dynamic: 0.0, tier: Tier::Influence, samples: 52, ..c.params };
+    }),
+    ("no contact, one part", |c| (c.motion, c.regions) = (Motion::Clear, 0)),
+    ("no contact, ten parts", |c| (c.probe, c.motion, c.regions) = (TEN, Motion::Clear, 0)),
+    ("bristle 32, box, ten regions, twist", |c| {
+        (c.params.samples, c.probe, c.regions, c.object) = (32, TEN, 10, TABLE);
+    }),
+    ("surface of 4096, local, one region", |c| c.surface = Some(false)),
+    ("surface of 4096, full, one region, box", |c| (c.surface, c.object) = (Some(true), TABLE)),
+    ("surface of 4096, local, ten regions", |c| (c.surface, c.probe, c.regions) = (Some(false), TEN, 10)),
+    ("surface of 4096, full, ten regions, box", |c| {
+        (c.surface, c.probe, c.regions, c.object) = (Some(true), TEN, 10, TABLE);
+    }),
+];
 
 /// Ties the probe to the handle by spring and damper. 50 g settle within a round, and 4 mm of the spring press as hard as the rows without.
 fn couple(case: &mut Case) {

@@ -13,14 +13,16 @@ use crate::cli::{released, root};
 
 #[path = "../support/counts.rs"]
 pub mod counting;
+#[path = "../support/growth.rs"]
+mod growth;
 
 use counting::Counted;
 
 /// Command that writes the table.
 const COMMAND: &str = "cargo xtask counts";
 
-/// How much a count may grow.
-const GROWTH: f64 = 1.02;
+/// Columns of the table that may not grow \[instructions\].
+const UNITS: [&str; 2] = ["mean", "worst"];
 
 /// Every scene by its name, counted once for all tests.
 fn counted() -> &'static HashMap<String, Counted> {
@@ -45,39 +47,11 @@ fn mean(name: &str) -> u64 {
 fn no_count_grew_beyond_the_table() {
     let file = counting::table_file(Path::new(root()));
     let table = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}; make it: {COMMAND}", file.display()));
-    let rows = rows(&table);
-    let named: Vec<_> = rows.iter().map(|(name, ..)| name).collect();
-    let missing: Vec<_> = counted().keys().filter(|name| !named.contains(name)).collect();
-    assert!(missing.is_empty(), "not in the table: {missing:?}; add them: {COMMAND}");
-    let mut grown = Vec::new();
-    for (name, mean, worst) in &rows {
-        let found = case(name);
-        for (what, expected, found) in [("mean", *mean, found.mean()), ("worst", *worst, found.worst)] {
-            let growth = found as f64 / expected as f64;
-            if growth > GROWTH {
-                grown.push(format!(
-                    "{name}: {what} {found} instructions, the table has {expected} ({:+.1} %)",
-                    100.0 * (growth - 1.0)
-                ));
-            }
-        }
-    }
+    let table = growth::rows(&table, UNITS.len());
+    assert!(!table.is_empty(), "{} has no counts; make it: {COMMAND}", file.display());
+    let found: Vec<_> = counted().values().map(|case| (case.name.clone(), vec![case.mean(), case.worst])).collect();
+    let grown = growth::complaints(&table, &found, &UNITS);
     assert!(grown.is_empty(), "{}\nif this is the price of something: {COMMAND}", grown.join("\n"));
-}
-/// A row of the committed table: name, mean, worst.
-type Row = (String, u64, u64);
-
-/// Rows `| name | mean | worst |` of a table of counts.
-fn rows(table: &str) -> Vec<Row> {
-    let number = |text: &str| text.trim().replace(' ', "").parse().ok();
-    let row = |line: &str| {
-        let fields: Vec<_> = line.strip_prefix('|')?.strip_suffix('|')?.split('|').collect();
-        match fields[..] {
-            [name, mean, worst] => Some((name.trim().to_owned(), number(mean)?, number(worst)?)),
-            _ => None,
-        }
-    };
-    table.lines().filter_map(row).collect()
 }
 
 /// Friction, bodies, regions and turns of the combinations.

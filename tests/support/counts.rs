@@ -16,7 +16,7 @@ use callgrind::{ByFile, Job, by_file, within};
 pub const PROGRAM: &str = "haptor-counts";
 
 /// The marked functions.
-const MARKED: [&str; 2] = ["haptor_counts::measured_tick", "haptor_counts::measured_surface"];
+const MARKED: [&str; 2] = ["haptor_counts::bench::measured_tick", "haptor_counts::bench::measured_surface"];
 
 /// Where the table lies; `root` is the repository's.
 pub fn table_file(root: &Path) -> PathBuf {

@@ -1,4 +1,4 @@
-//! `cargo xtask counts`: what a tick costs in instructions, scene by scene, and what the state takes in bytes, as `tests/bench/COUNTS.md`.
+//! `cargo xtask counts`: what a tick costs in instructions, scene by scene, as `tests/bench/COUNTS.md`.
 //!
 //! Counts are exact and the same on every run of the same program; they change with the code and with the compiler.
 
@@ -40,14 +40,13 @@ pub fn run() -> Result<ExitCode> {
     fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
     let counted = counting::count(&program, &folder).map_err(|said| anyhow!(said));
     fs::remove_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
-    let sizes = ask(&program, &["--sizes"]).with_context(|| format!("{} tells no sizes", program.display()))?;
     let file = counting::table_file(root());
-    fs::write(&file, table(&counted?, &sizes)?).with_context(|| format!("{}", file.display()))?;
+    fs::write(&file, table(&counted?)?).with_context(|| format!("{}", file.display()))?;
     println!("{} written", file.display());
     Ok(ExitCode::SUCCESS)
 }
 
-fn table(counted: &[Counted], sizes: &str) -> Result<String> {
+fn table(counted: &[Counted]) -> Result<String> {
     let mut text = HEAD.to_owned();
     let versions = ["rustc", VALGRIND].map(|program| ask(program, &["--version"]).unwrap_or_default());
     writeln!(text, "Compiler: {}. Counter: {}, callgrind.\n", versions[0], versions[1])?;
@@ -65,10 +64,6 @@ fn table(counted: &[Counted], sizes: &str) -> Result<String> {
         let fields = parts.iter().chain([&rest]).map(|&count| share(count).to_string()).collect::<Vec<_>>().join(" | ");
         writeln!(text, "| {} | {fields} |", case.name)?;
     }
-    text += SIZES_HEAD;
-    for (what, bytes) in sizes.lines().filter_map(|line| line.split_once('\t')) {
-        writeln!(text, "| {what} | {bytes} |")?;
-    }
     Ok(text)
 }
 
@@ -80,7 +75,8 @@ program counts the same on every run. A count is no time: a division counts as o
 
 A tick is the whole of `step`. One region: a ball of 20 mm; ten regions: ten balls of 10 mm, 30 mm apart; rubber of 3 MPa. 48 ticks of one round of a motion that presses 0.6 to
 1.4 mm, slides and, where the row says twist, turns, so that contacts stick and slip; a round runs before without being counted. `base` is one ball on the half space, twisted, tier
-`bristle` with 64 samples; the rows below it change what they name. A surface is one update of 4096 vertices. State and workspace are the host's.
+`bristle` with 64 samples; the rows below it change what they name. A surface is one update of 4096 vertices. State and workspace are the host's;
+their sizes are in [MEMORY.md](MEMORY.md), a Cortex-M7's instructions in [COUNTS-M7.md](COUNTS-M7.md).
 
 ";
 
@@ -90,13 +86,4 @@ const PARTS_HEAD: &str = "
 Mean instructions by the source line that they were compiled from, inlined or not. *libraries*: vector algebra, square roots, sines, copies; they belong to whoever called them. *rest*:
 the list of calls itself, checks of the pose, report.
 
-";
-
-const SIZES_HEAD: &str = "
-## Bytes
-
-Nothing is allocated: these are all the memory a tick knows.
-
-| what | bytes |
-|---|---:|
 ";

@@ -1,5 +1,6 @@
-//! `cargo xtask m7`: core, wire and engine for a Cortex-M7 without an operating system, the proof that nothing in them allocates, and on an emulated one a
-//! session of the core and a recording computed again, whose bits must be those of a PC; and the simulated device on it, with the real host.
+//! `cargo xtask m7`: core, wire and engine for a Cortex-M7 without an operating system, the proof that nothing in them allocates, on an emulated one a
+//! session of the core and a recording computed again, whose bits must be those of a PC; the simulated device on it, with the real host; and what ticks cost there in
+//! instructions, stack and size.
 //!
 //! Two toolchains can do it. Where rustup's target is installed it is used. Where rustup cannot fetch it, Debian's second Rust
 //! (packages rustc-web and rust-web-src) builds `core` from source. Which one was used is said.
@@ -10,8 +11,11 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
+use crate::counting;
+use crate::m7_counts::{self, Counted};
 use crate::m7_device;
 use crate::m7_image;
+use crate::m7_memory::{self, Memory};
 use crate::recordings::Recordings;
 use crate::run::{self, ask, cargo, target};
 
@@ -44,7 +48,7 @@ pub fn run() -> Result<ExitCode> {
     let toolchain = toolchain()?;
     match toolchain {
         Toolchain::Rustup => println!("toolchain: rustup's target {TARGET}"),
-        Toolchain::Debian => println!("toolchain: {}, core from source", version()),
+        Toolchain::Debian => println!("toolchain: {}, core from source", toolchain.compiler()),
     }
     run::run(toolchain.take(&mut build(&folder)))?;
     let libraries = libraries(&folder.join(TARGET).join("release/deps"))?;
@@ -57,7 +61,50 @@ pub fn run() -> Result<ExitCode> {
     let (said, written) = m7_image::replay(TARGET, &image)?;
     println!("emulated Cortex-M7: {said}");
     println!("debug, release, Cortex-M7: {}", recordings.check(&written)?);
-    m7_device::session(TARGET, &image, &m7_device::Args::default())
+    let looked = Looked::at(&toolchain, &image)?;
+    println!("emulated Cortex-M7: {}", m7_counts::check(&looked.counted, &looked.compiler)?);
+    println!("Cortex-M7 and x86-64: {}", m7_memory::check(&looked.memory, &looked.compiler)?);
+    let used = m7_device::session(TARGET, &image, &m7_device::Args::default())?;
+    looked.memory.check_device(used)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Counts and looks, and keeps what is found.
+pub fn accept() -> Result<ExitCode> {
+    let image = target()?.join("m7-image");
+    let toolchain = toolchain()?;
+    run::run(toolchain.take(&mut m7_image::build(TARGET, &image, None)?))?;
+    let looked = Looked::at(&toolchain, &image)?;
+    m7_counts::write(&looked.counted, &looked.compiler)?;
+    looked.memory.write(&looked.compiler)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the built images cost.
+struct Looked {
+    counted: Counted,
+    memory: Memory,
+    compiler: String,
+}
+
+impl Looked {
+    /// Counts on the emulated Cortex-M7, links the counting image for a PC too, and looks at both and at the device's.
+    fn at(toolchain: &Toolchain, image: &Path) -> Result<Self> {
+        let counted = m7_counts::count(TARGET, image)?;
+        run::run(toolchain.take_source(&mut m7_image::build_for_pc(image))?)?;
+        let memory = m7_memory::look(&m7_image::looked_at(TARGET, image), &counted, &sizes_on_pc()?)?;
+        Ok(Self { counted, memory, compiler: toolchain.compiler() })
+    }
+}
+
+/// Sizes of the types on this PC.
+fn sizes_on_pc() -> Result<Vec<(String, u64)>> {
+    let target = target()?;
+    run::run(cargo().args(["build", "--quiet", "--release", "-p", counting::PROGRAM, "--target-dir"]).arg(&target))?;
+    let program = target.join("release").join(counting::PROGRAM);
+    let said = ask(&program, &["--sizes"]).with_context(|| format!("{} tells no sizes", program.display()))?;
+    let row = |line: &str| line.split_once('\t').and_then(|(what, bytes)| Some((what.to_owned(), bytes.parse().ok()?)));
+    Ok(said.lines().filter_map(row).collect())
 }
 
 /// Only the device: its image, and a session of the real host on it.
@@ -65,7 +112,8 @@ pub fn device(args: &m7_device::Args) -> Result<ExitCode> {
     let image = target()?.join("m7-image");
     run::run(toolchain()?.take(&mut m7_image::build(TARGET, &image, None)?))?;
     m7_image::have_emulator()?;
-    m7_device::session(TARGET, &image, args)
+    m7_device::session(TARGET, &image, args)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 impl Toolchain {
@@ -75,6 +123,24 @@ impl Toolchain {
             Self::Rustup => command,
             Self::Debian => command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").arg("-Zbuild-std=core"),
         }
+    }
+
+    /// Has `command` build for the PC with `core` from its source, so that the options of the build hold for that too.
+    fn take_source<'c>(&self, command: &'c mut Command) -> Result<&'c mut Command> {
+        match self {
+            Self::Rustup if !has_source("rustc") => bail!("no source of core: run `rustup component add rust-src`"),
+            Self::Rustup => Ok(command.arg("-Zbuild-std=core")),
+            Self::Debian => Ok(self.take(command)),
+        }
+    }
+
+    /// Which compiler it is.
+    fn compiler(&self) -> String {
+        let rustc = match self {
+            Self::Rustup => "rustc",
+            Self::Debian => DEBIAN_RUSTC,
+        };
+        ask(rustc, &["--version"]).unwrap_or_default()
     }
 }
 
@@ -90,10 +156,10 @@ fn toolchain() -> Result<Toolchain> {
     if has_core(Path::new("rustc")) {
         return Ok(Toolchain::Rustup);
     }
-    if !has_source() {
+    if !has_source(DEBIAN_RUSTC) {
         run::install(&PACKAGES)?;
     }
-    if has_source() {
+    if has_source(DEBIAN_RUSTC) {
         return Ok(Toolchain::Debian);
     }
     bail!("no compiler for {TARGET}: run `rustup target add {TARGET}`, or as root `apt-get install {}`", PACKAGES.join(" "))
@@ -105,14 +171,10 @@ fn has_core(rustc: &Path) -> bool {
     folder.is_some_and(|folder| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()))
 }
 
-/// Has Debian's compiler the source of `core` beside it?
-fn has_source() -> bool {
-    let sysroot = ask(DEBIAN_RUSTC, &["--print", "sysroot"]);
+/// Has this compiler the source of `core` beside it?
+fn has_source(rustc: &str) -> bool {
+    let sysroot = ask(rustc, &["--print", "sysroot"]);
     sysroot.is_some_and(|sysroot| Path::new(&sysroot).join("lib/rustlib/src/rust/library/core").is_dir())
-}
-
-fn version() -> String {
-    ask(DEBIAN_RUSTC, &["--version"]).unwrap_or_default()
 }
 
 /// The libraries of a build, `core` and its helpers left out: they define what is looked for.

@@ -11,7 +11,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitCode, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
@@ -19,7 +19,7 @@ use crate::m7_image::EMULATOR;
 use crate::run::{self, cargo, root, target};
 
 /// Name of the image.
-const IMAGE: &str = "device";
+pub const IMAGE: &str = "device";
 
 /// The scene, and what is changed in it: rubber so soft that the hand is not shaken by a loop of tens of milliseconds.
 const SCENE: &str = "tests/scenes/cube-twist.toml";
@@ -58,8 +58,8 @@ impl Default for Args {
     }
 }
 
-/// Runs a session on the image that was built into `folder`.
-pub fn session(triple: &str, folder: &Path, args: &Args) -> Result<ExitCode> {
+/// Runs a session on the image that was built into `folder`; yields the bytes of stack that the image used.
+pub fn session(triple: &str, folder: &Path, args: &Args) -> Result<usize> {
     let image = folder.join(triple).join("release").join(IMAGE);
     crate::m7::no_allocator(std::slice::from_ref(&image))?;
     let work = folder.join("device-session");
@@ -78,7 +78,7 @@ pub fn session(triple: &str, folder: &Path, args: &Args) -> Result<ExitCode> {
     judge(&said)?;
     let stack = emulator.stack(&work.join("ram"))?;
     println!("device on an emulated Cortex-M7: {stack} bytes of stack, no allocator, no panic path, image {}", size(&image)?);
-    Ok(ExitCode::SUCCESS)
+    Ok(stack)
 }
 
 /// The softer scene, baked.

@@ -1,7 +1,8 @@
 //! The images for the emulated Cortex-M7: builds them, runs them in QEMU.
 //!
-//! One runs the session of `tests/support/bits.rs` and ends with success only if its digest is the one every PC gives. The other computes a recording again and ends with
-//! success only if every bit came out as recorded; its standard output is a recording of its own.
+//! Three are run to their end. One runs the session of `tests/support/bits.rs` and ends with success only if its digest is the one every PC gives. The other computes a recording again and ends with
+//! success only if every bit came out as recorded; its standard output is a recording of its own. The third
+//! counts what the scenes of `tests/counts/cases.rs` cost; it is linked for a PC as well.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,6 +10,8 @@ use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail};
 
+use crate::m7_device;
+use crate::m7_memory::Images;
 use crate::run::{self, ask, root};
 
 /// Folder of the image's own workspace.
@@ -17,6 +20,13 @@ const FOLDER: &str = "firmware-sim/cortex-m";
 /// Names of the images.
 const SESSION: &str = "haptor-m7";
 const REPLAY: &str = "haptor-m7-replay";
+const COUNTS: &str = "haptor-m7-counts";
+
+/// The PC that the counting image is linked for as well.
+const PC: &str = "x86_64-unknown-linux-gnu";
+
+/// An instruction takes 2^8 ns of the emulated board's time.
+const EXACT: [&str; 2] = ["-icount", "shift=8"];
 
 /// The emulator, and Debian's package of it.
 pub const EMULATOR: &str = "qemu-system-arm";
@@ -31,8 +41,39 @@ pub fn build(target: &str, folder: &Path, recording: Option<&Path>) -> Result<Co
         command.args(["--features", "replay"]).env("HAPTOR_RECORDING", recording);
     }
     command.env(format!("{prefix}_LINKER"), linker()?);
-    command.env(format!("{prefix}_RUSTFLAGS"), "-C link-arg=-Tlink.x");
+    command.env(format!("{prefix}_RUSTFLAGS"), "-C link-arg=-Tlink.x -Z emit-stack-sizes").env(NIGHTLY, "1");
     Ok(command)
+}
+
+/// Has a released compiler take the option that writes each function's frame into the image.
+const NIGHTLY: &str = "RUSTC_BOOTSTRAP";
+
+/// Cargo's command for the counting image on a PC, to be looked at: every call of a known function by its name, no tables of jumps, which look like calls of unknown ones.
+pub fn build_for_pc(folder: &Path) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    command.current_dir(root().join(FOLDER));
+    command.args(["build", "--release", "--locked", "--target", PC, "--bin", COUNTS, "--target-dir"]).arg(folder);
+    let flags = "-Z emit-stack-sizes -Z plt=yes -C relocation-model=static -C jump-tables=no -C link-arg=-lc";
+    command.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS", flags).env(NIGHTLY, "1");
+    command
+}
+
+/// The images whose memory is looked at.
+pub fn looked_at(target: &str, folder: &Path) -> Images {
+    Images { paths: [image(target, folder, COUNTS), image(target, folder, m7_device::IMAGE), image(PC, folder, COUNTS)] }
+}
+
+/// Runs the counting image and yields what it says.
+///
+/// # Errors
+/// When a scene does not come to its end as it must.
+pub fn counts(target: &str, folder: &Path) -> Result<String> {
+    let (output, _) = emulate(&image(target, folder, COUNTS), &EXACT)?;
+    let said = words(&output.stdout);
+    if !output.status.success() {
+        bail!("the scenes do not come to their end on the emulated Cortex-M7: {said}");
+    }
+    Ok(said)
 }
 
 /// The linker that comes with the host's own toolchain.
@@ -56,7 +97,7 @@ pub fn have_emulator() -> Result<()> {
 /// # Errors
 /// When its digest is not the expected one.
 pub fn session(target: &str, folder: &Path) -> Result<String> {
-    let (output, size) = emulate(&image(target, folder, SESSION))?;
+    let (output, size) = emulate(&image(target, folder, SESSION), &[])?;
     let said = words(&output.stdout) + &words(&output.stderr);
     if !output.status.success() {
         bail!("the image on the emulated Cortex-M7 says `{said}`, which is not the digest in tests/support/bits.rs");
@@ -69,7 +110,7 @@ pub fn session(target: &str, folder: &Path) -> Result<String> {
 /// # Errors
 /// When a tick differs.
 pub fn replay(target: &str, folder: &Path) -> Result<(String, Vec<u8>)> {
-    let (output, _) = emulate(&image(target, folder, REPLAY))?;
+    let (output, _) = emulate(&image(target, folder, REPLAY), &[])?;
     let said = words(&output.stderr);
     if !output.status.success() {
         bail!("the recording comes out otherwise on the emulated Cortex-M7: {said}");
@@ -86,11 +127,11 @@ fn words(bytes: &[u8]) -> String {
 }
 
 /// Runs an image to its end; its size too \[bytes\].
-fn emulate(image: &Path) -> Result<(Output, u64)> {
+fn emulate(image: &Path, options: &[&str]) -> Result<(Output, u64)> {
     let size = fs::metadata(image).with_context(|| format!("{} was not built", image.display()))?.len();
     have_emulator()?;
     let mut command = Command::new(EMULATOR);
-    command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none"]);
+    command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none"]).args(options);
     command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
     let output =
         command.output().with_context(|| format!("{EMULATOR} cannot be started: install Debian's package {EMULATOR}"))?;

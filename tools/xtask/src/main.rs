@@ -2,6 +2,7 @@
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
+mod calls;
 mod ci;
 #[path = "../../../tests/support/counts.rs"]
 mod counting;
@@ -9,10 +10,14 @@ mod counts;
 mod demo;
 mod docs;
 mod golden;
+#[path = "../../../tests/support/growth.rs"]
+mod growth;
 mod guest;
 mod m7;
+mod m7_counts;
 mod m7_device;
 mod m7_image;
+mod m7_memory;
 mod pictures;
 mod recordings;
 mod run;
@@ -42,8 +47,8 @@ enum Cli {
     #[command(after_help = "Example: cargo xtask ci")]
     Ci,
     /// Builds core, wire and engine for a Cortex-M7 without an operating system, looks for an allocator, runs a session, a recording and the simulated device on an
-    /// emulated one, and compares the bits with those of a debug and a release build
-    #[command(after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250")]
+    /// emulated one, compares the bits with those of a debug and a release build, and instructions, stack and sizes with the kept tables
+    #[command(after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250\n         cargo xtask m7 accept")]
     M7 {
         #[command(subcommand)]
         only: Option<M7>,
@@ -92,11 +97,13 @@ enum Cli {
     },
 }
 
-/// One image alone.
+/// A part alone.
 #[derive(Debug, clap::Subcommand)]
 enum M7 {
     /// The simulated device as firmware, and a session of the real host on it
     Device(m7_device::Args),
+    /// Counts instructions and looks at memory, and keeps what is found in tests/bench/COUNTS-M7.md and MEMORY.md
+    Accept,
 }
 
 fn main() -> ExitCode {
@@ -105,6 +112,7 @@ fn main() -> ExitCode {
         Cli::Ci => ci::run(),
         Cli::M7 { only: None } => m7::run(),
         Cli::M7 { only: Some(M7::Device(args)) } => m7::device(&args),
+        Cli::M7 { only: Some(M7::Accept) } => m7::accept(),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),

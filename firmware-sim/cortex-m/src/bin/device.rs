@@ -13,9 +13,12 @@
 #![no_std]
 #![no_main]
 
-use core::panic::PanicInfo;
-use core::ptr;
+#[path = "../board.rs"]
+mod board;
 
+use core::panic::PanicInfo;
+
+use board::{Register, paint_stack};
 use cortex_m::asm;
 use cortex_m_rt::entry;
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
@@ -38,15 +41,9 @@ const RX_BYTES: usize = 1_024;
 /// Bytes below the stack's top that are painted: far more than is used, which the measurement shows.
 const PAINTED_BYTES: usize = 32 * 1024;
 
-/// What they are painted with.
-const PAINT: u32 = 0xA5A5_5A5A;
-
-/// Bytes below the stack pointer that painting itself may use.
-const OWN_BYTES: usize = 256;
-
 #[entry]
 fn main() -> ! {
-    paint_stack();
+    paint_stack(PAINTED_BYTES);
     let preset = Preset { watchdog_ticks: WATCHDOG_TICKS, ..PREMIUM15 };
     let reach = Reach::usual(FIRM_GRIP.stiffness, preset.max_force);
     if let Some(script) = Script::by_name("press-twist-slide", &reach, true) {
@@ -65,7 +62,7 @@ fn serve(device: &mut Device) {
         asm::wfi();
         used += uart.receive(rx.get_mut(used..).unwrap_or_default());
         if clock.has_struck() {
-            device.step(TURN_US, rx.get(..used).unwrap_or_default(), &mut tx);
+            turn(device, rx.get(..used).unwrap_or_default(), &mut tx);
             used = 0;
             tx.as_slice().iter().for_each(|&byte| uart.send(byte));
             tx.clear();
@@ -73,20 +70,10 @@ fn serve(device: &mut Device) {
     }
 }
 
-/// A register of a peripheral.
-#[derive(Clone, Copy)]
-struct Register(usize);
-
-impl Register {
-    fn read(self) -> u32 {
-        // SAFETY: every register below is one of the board's, aligned, and reading it changes nothing that the compiler knows of
-        unsafe { ptr::read_volatile(self.0 as *const u32) }
-    }
-
-    fn write(self, value: u32) {
-        // SAFETY: as for reading
-        unsafe { ptr::write_volatile(self.0 as *mut u32, value) }
-    }
+/// A turn; the name is what the bound of the stack is told.
+#[inline(never)]
+fn turn(device: &mut Device, rx: &[u8], tx: &mut TxBuf) {
+    device.step(TURN_US, rx, tx);
 }
 
 /// The first UART of Arm's CMSDK: a byte each way, no queue.
@@ -158,15 +145,6 @@ impl Clock {
     fn has_struck(&self) -> bool {
         Self::UNPEND.write(1 << 25);
         Self::CONTROL.read() & 1 << 16 != 0
-    }
-}
-
-/// Paints the stack below this function, so that what was used of it can be read from the memory of the emulator.
-#[inline(never)]
-fn paint_stack() {
-    let here = cortex_m::register::msp::read() as usize & !3;
-    for at in (here - PAINTED_BYTES..here - OWN_BYTES).step_by(4) {
-        Register(at).write(PAINT);
     }
 }
 
