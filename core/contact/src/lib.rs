@@ -61,6 +61,7 @@ mod step;
 mod wrench;
 
 pub mod geometry;
+pub mod lanes;
 pub mod profile;
 mod stage;
 pub mod surface;

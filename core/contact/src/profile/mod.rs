@@ -21,16 +21,12 @@ pub struct Profile {
     fullness: f32,
 }
 
-/// Figures at the radius r = q a.
+/// What lies inside the radius r = q a.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct At {
-    /// Shift, in units of mu P / K_t, at which a bristle slips.
-    pub drag_softness: f32,
-    /// Hoop shift over a, in units of mu P a / K_theta, at which a bristle slips.
-    pub twist_softness: f32,
-    /// Share of the load inside r.
+pub struct Inside {
+    /// Share of the load.
     pub load: f32,
-    /// Torque capacity inside r over mu P a.
+    /// Torque capacity over mu P a.
     pub torque: f32,
     /// Radius over a that sticks in pure drag when bristles beyond r slip.
     pub drag_stick: f32,
@@ -57,20 +53,29 @@ impl Profile {
 
     /// Full-slip torque over mu P a: pi/6 (cone), 3 pi/16 (Hertz), pi/4 (flat punch).
     pub fn full_slip_torque(self) -> f32 {
-        self.row(1.0)[3]
+        self.columns::<3, 1>(1.0)[0]
     }
 
-    /// Figures at r = `q` a, q in 0..=1.
-    pub fn at(self, q: f32) -> At {
-        let [drag_softness, twist_softness, load, torque, drag_stick, twist_stick] = self.row(q);
-        At { drag_softness, twist_softness, load, torque, drag_stick, twist_stick }
+    /// Softness in drag and in twist of a bristle at r = `q` a, q in 0..=1: the shift at which it slips in units of mu P/K_t, and the hoop shift
+    /// over a in units of mu P a/K_theta.
+    pub fn softness(self, q: f32) -> (f32, f32) {
+        let [drag, twist] = self.columns::<0, 2>(q);
+        (drag, twist)
     }
 
-    fn row(self, q: f32) -> Row {
+    /// What lies inside r = `q` a, q in 0..=1.
+    pub fn inside(self, q: f32) -> Inside {
+        let [load, torque, drag_stick, twist_stick] = self.columns::<2, 4>(q);
+        Inside { load, torque, drag_stick, twist_stick }
+    }
+
+    /// `N` columns of the tables from column `FIRST` on.
+    fn columns<const FIRST: usize, const N: usize>(self, q: f32) -> [f32; N] {
         let place = INTERVALS as f32 * root(1.0 - q * q);
         let index = (place as usize).min(INTERVALS - 1);
         let blend = place - index as f32;
-        let read = |table: &Table| mix(&table[index], &table[index + 1], blend);
+        let part = |row: &Row| core::array::from_fn(|i| row[FIRST + i]);
+        let read = |table: &Table| mix(&part(&table[index]), &part(&table[index + 1]), blend);
         if self.fullness == FULLNESS_HERTZ {
             read(&HERTZ)
         } else if self.fullness < FULLNESS_HERTZ {
@@ -81,7 +86,7 @@ impl Profile {
     }
 }
 
-fn mix(a: &Row, b: &Row, blend: f32) -> Row {
+fn mix<const N: usize>(a: &[f32; N], b: &[f32; N], blend: f32) -> [f32; N] {
     core::array::from_fn(|i| a[i] + (b[i] - a[i]) * blend)
 }
 
@@ -95,9 +100,9 @@ mod tests {
         for step in 0..=50 {
             let q = step as f32 / 50.0;
             let x = root(1.0 - q * q);
-            let hertz = Profile::new(FULLNESS_HERTZ).at(q);
+            let hertz = Profile::new(FULLNESS_HERTZ).inside(q);
             assert!((hertz.load - (1.0 - x * x * x)).abs() < 3.0e-4, "{q} {hertz:?}");
-            let punch = Profile::new(FULLNESS_PUNCH).at(q);
+            let punch = Profile::new(FULLNESS_PUNCH).inside(q);
             assert!((punch.load - (1.0 - x)).abs() < 1.0e-6, "{q} {punch:?}");
         }
         for (fullness, torque) in [(FULLNESS_CONE, PI / 6.0), (FULLNESS_HERTZ, 3.0 * PI / 16.0), (FULLNESS_PUNCH, PI / 4.0)] {

@@ -9,7 +9,7 @@ use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::stage::ground::{self, Ground};
-use crate::tier::bristle::{self, AROUND, Layout};
+use crate::tier::bristle::{self, AROUND};
 use crate::tier::influence::{self, Stored};
 use crate::tier::{Hold, paper, point};
 
@@ -62,14 +62,22 @@ fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work
         each(model, params, patches, grounds, changed, point::advance);
         return Flags::TIER_LOWERED;
     }
-    let (layout, flags) = fitting(&params.layout, *per_slot);
+    let room = *per_slot / AROUND;
+    let lowered = params.layout.rings > room;
+    let fewer;
+    let layout = if lowered {
+        fewer = params.layout.at_most(room);
+        &fewer
+    } else {
+        &params.layout
+    };
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         if let Some(cells) = stored.force.get_mut(start..start + *per_slot) {
-            bristle::advance(hold, &layout, patch, cells);
+            bristle::advance(hold, layout, patch, cells);
         }
     });
-    flags
+    if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN }
 }
 
 /// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
@@ -109,15 +117,6 @@ fn each(
             ground::take_up(grounds.get_mut(i), patch);
         }
     }
-}
-
-/// The layout as far as the state has room for it.
-fn fitting(layout: &Layout, per_slot: usize) -> (Layout, Flags) {
-    let room = per_slot / AROUND;
-    if layout.rings <= room {
-        return (*layout, Flags::CLEAN);
-    }
-    (layout.at_most(room), Flags::TIER_LOWERED)
 }
 
 /// Nothing moved and nothing was pressed: a quasi-static contact stays as it is, to the bit.

@@ -5,6 +5,7 @@
 //! place, new contact enters free, and what a falling pressure sheds does not come back.
 
 pub mod grid;
+pub mod quad;
 pub mod ring;
 pub mod slip;
 pub mod stiffness;

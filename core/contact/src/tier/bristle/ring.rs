@@ -2,7 +2,7 @@
 
 use crate::math::min;
 use crate::patch::Grip;
-use crate::profile::At;
+use crate::profile::Inside;
 use crate::tier::Hold;
 use crate::tier::bristle::{AROUND, Bristle, Grid, Layout, MAX_RINGS};
 
@@ -31,12 +31,12 @@ impl Rings {
     /// Rings of `grid` under the load of `hold`.
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
         let mut rings = heapless::Vec::new();
-        let mut inner = At::default();
+        let mut inner = Inside::default();
         for k in 0..layout.rings {
             if grid.width * k as f32 >= hold.radius {
                 break;
             }
-            let outer = hold.profile.at(min(grid.width * (k + 1) as f32 / hold.radius, 1.0));
+            let outer = hold.profile.inside(min(grid.width * (k + 1) as f32 / hold.radius, 1.0));
             let _ = rings.push(between(hold, &inner, &outer));
             inner = outer;
         }
@@ -72,16 +72,16 @@ impl Rings {
 }
 
 /// Stiffness is taken where the cell's force acts; integrating it over the ring would count the soft rim twice.
-fn between(hold: &Hold, inner: &At, outer: &At) -> Ring {
+fn between(hold: &Hold, inner: &Inside, outer: &Inside) -> Ring {
     let share = 1.0 / AROUND as f32;
     let load = outer.load - inner.load;
     let arm = if load > 0.0 { min((outer.torque - inner.torque) / load, 1.0) } else { 1.0 };
-    let here = hold.profile.at(arm);
+    let (drag_softness, twist_softness) = hold.profile.softness(arm);
     let stuck = |outer: f32, inner: f32| (outer * outer - inner * inner) * share;
     Ring {
         load: hold.load * load * share,
-        drag: share * load * hold.drag_stiffness / (here.drag_softness + LEAST_SOFTNESS),
-        twist: share * load * hold.twist_stiffness / (hold.radius * (here.twist_softness + LEAST_SOFTNESS)),
+        drag: share * load * hold.drag_stiffness / (drag_softness + LEAST_SOFTNESS),
+        twist: share * load * hold.twist_stiffness / (hold.radius * (twist_softness + LEAST_SOFTNESS)),
         arm: arm * hold.radius,
         stuck: (stuck(outer.drag_stick, inner.drag_stick), stuck(outer.twist_stick, inner.twist_stick)),
     }

@@ -7,9 +7,11 @@
 
 use glam::Vec2;
 
-use crate::math::{min, root};
+use crate::lanes::Lanes;
+use crate::math::min;
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
+use crate::tier::bristle::quad::{self, BRISTLES, Quads};
 use crate::tier::bristle::ring::{Ring, Rings};
 use crate::tier::bristle::stiffness::Stiffness;
 use crate::tier::bristle::{AROUND, Bristle, Layout};
@@ -53,13 +55,15 @@ pub fn shift(
     before: &Grip,
 ) -> Answer {
     let stuck = Stiffness::all_stuck(rings);
+    let mut quads = Quads::new();
+    quad::lay_out(hold, layout, rings, bristles, &mut quads);
     let mut felt = stuck.solve(common, wanted);
     for _ in 1..PASSES {
-        let trial = probe(hold, layout, rings, bristles, felt, stuck);
+        let trial = probe(&quads, felt, stuck);
         let rest = rest_of(common, wanted, felt, trial.force - before.force, trial.torque - before.torque);
         felt = felt + trial.stiffness.solve(common, rest);
     }
-    let grip = settle(hold, layout, rings, bristles, felt);
+    let grip = settle(hold, rings, &quads, bristles, felt);
     Answer { grip, rest: rest_of(common, wanted, felt, grip.force - before.force, grip.torque - before.torque) }
 }
 
@@ -77,35 +81,35 @@ struct Trial {
 }
 
 /// What the bristles would hold if the patch shifted by `felt`; changes nothing.
-fn probe(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], felt: Shift, stuck: Stiffness) -> Trial {
+fn probe(quads: &Quads, felt: Shift, stuck: Stiffness) -> Trial {
     let mut trial = Trial { force: Vec2::ZERO, torque: 0.0, stiffness: stuck };
-    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_exact(AROUND)).enumerate() {
-        for (j, cell) in cells.iter().enumerate() {
-            let radial = layout.direction(k, j);
-            let moved = Moved::new(hold, ring, radial, cell, felt);
-            trial.force += moved.force;
-            trial.torque += ring.arm * radial.perp_dot(moved.force);
-            if moved.slides {
-                trial.stiffness.soften(ring, radial, moved.scale, moved.along);
-            }
+    for quad in quads {
+        let moved = quad.moved(felt);
+        for i in 0..BRISTLES {
+            trial.force += Vec2::new(moved.force.0.0[i], moved.force.1.0[i]);
+            trial.torque += moved.torque.0[i];
+        }
+        if moved.trial != Lanes::default() {
+            trial.stiffness.soften(&quad.lost(&moved));
         }
     }
     trial
 }
 
 /// Moves the bristles for good.
-fn settle(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &mut [Bristle], felt: Shift) -> Grip {
+fn settle(hold: &Hold, rings: &Rings, quads: &Quads, bristles: &mut [Bristle], felt: Shift) -> Grip {
     let mut grip = Grip::default();
     let mut stuck = (0.0, 0.0);
-    for (k, (ring, cells)) in rings.as_slice().iter().zip(bristles.chunks_exact_mut(AROUND)).enumerate() {
-        for (j, cell) in cells.iter_mut().enumerate() {
-            let radial = layout.direction(k, j);
-            let moved = Moved::new(hold, ring, radial, cell, felt);
-            cell.force = moved.force;
-            cell.slipped = moved.slipped(hold, ring, cell.slipped);
-            grip.force += moved.force;
-            grip.torque += ring.arm * radial.perp_dot(moved.force);
-            if !moved.slides {
+    let kept = rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks_mut(BRISTLES));
+    for (quad, (rings, cells)) in quads.iter().zip(kept) {
+        let moved = quad.moved(felt);
+        for (i, cell) in cells.iter_mut().enumerate().take(BRISTLES) {
+            let Some(ring) = rings.get(i / AROUND) else { break };
+            cell.force = Vec2::new(moved.force.0.0[i], moved.force.1.0[i]);
+            cell.slipped = slipped(hold, ring, cell, moved.trial.0[i], moved.scale.0[i]);
+            grip.force += cell.force;
+            grip.torque += moved.torque.0[i];
+            if moved.trial.0[i] <= 0.0 {
                 stuck = (stuck.0 + ring.stuck.0, stuck.1 + ring.stuck.1);
             }
         }
@@ -126,41 +130,15 @@ fn square(x: f32) -> f32 {
     x * x
 }
 
-/// One bristle after a shift.
-struct Moved {
-    force: Vec2,
-    slides: bool,
-    /// Cap over the size of the elastic trial; 1 while it sticks.
-    scale: f32,
-    /// Size of the elastic trial \[N\], and the unit vector along it, of a bristle that slides.
-    trial: f32,
-    along: Vec2,
-}
-
-impl Moved {
-    fn new(hold: &Hold, ring: &Ring, radial: Vec2, cell: &Bristle, felt: Shift) -> Self {
-        let trial = cell.force + felt.drag * ring.drag + radial.perp() * (ring.twist * felt.twist);
-        let size2 = trial.length_squared();
-        let cap = friction(hold, ring, cell.slipped) * ring.load;
-        if size2 <= cap * cap {
-            return Self { force: trial, slides: false, scale: 1.0, trial: 0.0, along: Vec2::ZERO };
-        }
-        let size = root(size2);
-        // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
-        let cap = if hold.sharp { hold.mu_d * ring.load } else { cap };
-        let along = trial * (1.0 / size);
-        Self { force: along * cap, slides: true, scale: cap / size, trial: size, along }
+/// Distance slipped since stick was left: what the cap cut off the trial, over the stiffness. Back to 0 when it sticks below the dynamic cap.
+fn slipped(hold: &Hold, ring: &Ring, cell: &Bristle, trial: f32, scale: f32) -> f32 {
+    let before = cell.slipped;
+    if trial > 0.0 {
+        let cut = trial * (1.0 - scale) / ring.drag;
+        let slipped = before + cut;
+        return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
     }
-
-    /// Distance slipped since stick was left: what the cap cut off, over the stiffness. Back to 0 when it sticks below the dynamic cap.
-    fn slipped(&self, hold: &Hold, ring: &Ring, before: f32) -> f32 {
-        if self.slides {
-            let cut = self.trial * (1.0 - self.scale) / ring.drag;
-            let slipped = before + cut;
-            return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
-        }
-        if before > 0.0 && self.force.length_squared() < square(hold.mu_d * ring.load) { 0.0 } else { before }
-    }
+    if before > 0.0 && cell.force.length_squared() < square(hold.mu_d * ring.load) { 0.0 } else { before }
 }
 
 /// A bristle that has left stick is marked by a slip above zero, however small the step was \[m\].
@@ -168,7 +146,7 @@ const LEAST_SLIP: f32 = 1.0e-12;
 
 /// Friction of a cell that slipped by `slipped`. Sharp: dynamic at once. Smooth: falls over a length on which the bristle would shed
 /// twice the difference, so that force over shift falls at half the stuck slope and nothing snaps.
-fn friction(hold: &Hold, ring: &Ring, slipped: f32) -> f32 {
+pub fn friction(hold: &Hold, ring: &Ring, slipped: f32) -> f32 {
     let excess = hold.mu_s - hold.mu_d;
     if excess <= 0.0 || slipped <= 0.0 {
         return hold.mu_s;

@@ -4,7 +4,8 @@ use glam::{Mat3, Vec2, Vec3};
 
 use crate::patch::Shift;
 use crate::tier::bristle::AROUND;
-use crate::tier::bristle::ring::{Ring, Rings};
+use crate::tier::bristle::quad::{BRISTLES, Lost};
+use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::slip::Common;
 
 /// The matrix K; rows Qx, Qy, T; columns x, y, phi. Drag against drag is symmetric, drag against twist is not.
@@ -32,16 +33,16 @@ impl Stiffness {
         Self { xx: drag, xy: 0.0, yy: drag, force_twist: Vec2::ZERO, torque_drag: Vec2::ZERO, twist }
     }
 
-    /// Takes away what one bristle loses by sliding along the unit vector `n`: k (1 - Pi) with Pi = scale (1 - n n^T), scale = cap/|trial|.
-    pub fn soften(&mut self, ring: &Ring, radial: Vec2, scale: f32, n: Vec2) {
-        let hoop = radial.perp();
-        let lost_hoop = hoop * (1.0 - scale) + n * (scale * n.dot(hoop));
-        self.xx -= ring.drag * (1.0 - scale + scale * n.x * n.x);
-        self.xy -= ring.drag * scale * n.x * n.y;
-        self.yy -= ring.drag * (1.0 - scale + scale * n.y * n.y);
-        self.force_twist -= lost_hoop * ring.twist;
-        self.torque_drag -= lost_hoop * (ring.arm * ring.drag);
-        self.twist -= ring.arm * ring.twist * hoop.dot(lost_hoop);
+    /// Takes away what bristles lose by sliding, one after the other.
+    pub fn soften(&mut self, lost: &Lost) {
+        for i in 0..BRISTLES {
+            self.xx -= lost.drag[0].0[i];
+            self.xy -= lost.drag[1].0[i];
+            self.yy -= lost.drag[2].0[i];
+            self.force_twist -= Vec2::new(lost.force_twist.0.0[i], lost.force_twist.1.0[i]);
+            self.torque_drag -= Vec2::new(lost.torque_drag.0.0[i], lost.torque_drag.1.0[i]);
+            self.twist -= lost.twist.0[i];
+        }
     }
 
     fn matrix(&self) -> Mat3 {

@@ -7,12 +7,11 @@
 //!
 //! An influence that is odd along both axes, that of x on y, takes a class to the opposite one: even to odd along both axes.
 
-use core::ops::{Add, AddAssign, Mul, Sub};
-
+use crate::lanes::{LANES, Lanes};
 use crate::tier::influence::table::{ALONG, CROSS};
 
-/// Images of a cell, itself among them.
-pub const IMAGES: usize = 4;
+/// Images of a cell, itself among them: in this order cell, image along x, image along y, both. Of classes: even, odd along x, odd along y, odd along both.
+pub const IMAGES: usize = LANES;
 
 /// Signs of the images along x.
 pub const SIGN_X: Lanes = Lanes([1.0, -1.0, 1.0, -1.0]);
@@ -20,17 +19,7 @@ pub const SIGN_X: Lanes = Lanes([1.0, -1.0, 1.0, -1.0]);
 /// Signs of the images along y.
 pub const SIGN_Y: Lanes = Lanes([1.0, 1.0, -1.0, -1.0]);
 
-/// One number per image, or per class: even, odd along x, odd along y, odd along both.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(16))]
-pub struct Lanes(pub [f32; IMAGES]);
-
 impl Lanes {
-    /// All the same.
-    pub const fn splat(x: f32) -> Self {
-        Self([x; IMAGES])
-    }
-
     /// Sums of the images by class; of the classes by image, times four.
     pub fn crossed(self) -> Self {
         let [a, b, c, d] = self.0;
@@ -42,44 +31,6 @@ impl Lanes {
     pub fn opposite(self) -> Self {
         let [a, b, c, d] = self.0;
         Self([d, c, b, a])
-    }
-}
-
-impl Add for Lanes {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] + other.0[lane]))
-    }
-}
-
-impl AddAssign for Lanes {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl Sub for Lanes {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] - other.0[lane]))
-    }
-}
-
-impl Mul for Lanes {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] * other.0[lane]))
-    }
-}
-
-impl Mul<f32> for Lanes {
-    type Output = Self;
-
-    fn mul(self, factor: f32) -> Self {
-        self * Self::splat(factor)
     }
 }
 

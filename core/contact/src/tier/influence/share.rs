@@ -5,10 +5,11 @@
 
 use glam::Vec2;
 
+use crate::lanes::Lanes;
 use crate::math::{clamp, max, min};
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::grid::{Layout, centred};
-use crate::tier::influence::mirror::{HALF, IMAGES, Lanes, ORDER, Place};
+use crate::tier::influence::mirror::{HALF, IMAGES, ORDER, Place};
 
 /// The quarter of the square, row by row from the middle.
 type Quarter = [[Lanes; HALF]; HALF];

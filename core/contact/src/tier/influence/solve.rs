@@ -6,13 +6,14 @@
 
 use glam::Vec2;
 
+use crate::lanes::Lanes;
 use crate::math::{PI, clamp, max, min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::cells::{Cells, reached};
 use crate::tier::influence::grid::{Grid, Layout};
-use crate::tier::influence::mirror::{IMAGES, Lanes, ORDER, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
+use crate::tier::influence::mirror::{IMAGES, ORDER, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
 use crate::tier::influence::table::ALONG;
 use crate::tier::influence::{Elastic, Stored, Trace};
 

@@ -1,0 +1,56 @@
+//! Four numbers side by side, each through the same operations: what a processor with vectors does at once, one without does one by one, to the same bits.
+
+use core::ops::{Add, AddAssign, Mul, Sub};
+
+/// Numbers side by side: what every x86-64 takes at once.
+pub const LANES: usize = 4;
+
+/// Four numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(16))]
+pub struct Lanes(pub [f32; LANES]);
+
+impl Lanes {
+    /// All the same.
+    pub const fn splat(x: f32) -> Self {
+        Self([x; LANES])
+    }
+}
+
+impl Add for Lanes {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(core::array::from_fn(|lane| self.0[lane] + other.0[lane]))
+    }
+}
+
+impl AddAssign for Lanes {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Sub for Lanes {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self(core::array::from_fn(|lane| self.0[lane] - other.0[lane]))
+    }
+}
+
+impl Mul for Lanes {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        Self(core::array::from_fn(|lane| self.0[lane] * other.0[lane]))
+    }
+}
+
+impl Mul<f32> for Lanes {
+    type Output = Self;
+
+    fn mul(self, factor: f32) -> Self {
+        self * Self::splat(factor)
+    }
+}

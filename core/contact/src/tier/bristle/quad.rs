@@ -1,0 +1,138 @@
+//! Four bristles at a time: two rings of two. What their forces come to is summed bristle by bristle, in the order in which they lie.
+
+use crate::lanes::Lanes;
+use crate::limits::MAX_BRISTLES;
+use crate::math::root;
+use crate::patch::Shift;
+use crate::tier::Hold;
+use crate::tier::bristle::ring::{Ring, Rings};
+use crate::tier::bristle::slip::friction;
+use crate::tier::bristle::{AROUND, Bristle, Layout};
+
+/// Bristles of a quad.
+pub const BRISTLES: usize = 2 * AROUND;
+
+/// Figures of four bristles. Where there is only one ring left, those of the second hold nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Quad {
+    /// What they hold before the shift \[N\].
+    force: (Lanes, Lanes),
+    /// Unit vectors to them.
+    pub radial: (Lanes, Lanes),
+    /// Force per drag \[N/m\].
+    pub drag: Lanes,
+    /// Hoop force per twist \[N/rad\].
+    pub twist: Lanes,
+    /// Arms of their forces \[m\].
+    pub arm: Lanes,
+    /// What they can hold while they stick, and once they have left stick \[N\].
+    cap: Lanes,
+    cut: Lanes,
+}
+
+/// The quads of a patch, innermost first.
+pub type Quads = heapless::Vec<Quad, { MAX_BRISTLES / BRISTLES }>;
+
+/// Bristles after a shift.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    /// What they hold \[N\].
+    pub force: (Lanes, Lanes),
+    /// Torque of it about the centre \[N m\].
+    pub torque: Lanes,
+    /// Size of the elastic trial of a bristle that slides \[N\], 0 of one that sticks.
+    pub trial: Lanes,
+    /// What it holds over that size; 1 while it sticks.
+    pub scale: Lanes,
+    /// Unit vector along the trial of a bristle that slides, 0 of one that sticks.
+    pub along: (Lanes, Lanes),
+}
+
+/// What four bristles take from the stiffness of a patch, each.
+#[derive(Clone, Copy, Debug)]
+pub struct Lost {
+    /// Force over drag, x over x, x over y and y over y \[N/m\].
+    pub drag: [Lanes; 3],
+    /// Force over twist \[N/rad\].
+    pub force_twist: (Lanes, Lanes),
+    /// Torque over drag \[N m/m\].
+    pub torque_drag: (Lanes, Lanes),
+    /// Torque over twist \[N m/rad\].
+    pub twist: Lanes,
+}
+
+/// Lays out the bristles of `rings`.
+pub fn lay_out(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], quads: &mut Quads) {
+    let none = [Bristle::default(); BRISTLES];
+    for (k, (pair, cells)) in rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks(BRISTLES)).enumerate() {
+        let (inner, outer) = (pair.first().copied().unwrap_or_default(), pair.get(1).copied().unwrap_or_default());
+        let cells = cells.first_chunk().unwrap_or(&none);
+        let _ = quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells));
+    }
+}
+
+impl Quad {
+    /// Bristles of the ring `k` and of the next.
+    fn new(hold: &Hold, layout: &Layout, k: usize, inner: &Ring, outer: &Ring, cells: &[Bristle; BRISTLES]) -> Self {
+        let both = |of: fn(&Ring) -> f32| Lanes([of(inner), of(inner), of(outer), of(outer)]);
+        let [a, b] = [layout.direction(k, 0), layout.direction(k + 1, 0)];
+        let [p, q, r, s] = cells;
+        let cap = |ring: &Ring, cell: &Bristle| friction(hold, ring, cell.slipped) * ring.load;
+        let cap = Lanes([cap(inner, p), cap(inner, q), cap(outer, r), cap(outer, s)]);
+        Self {
+            force: (Lanes(cells.map(|cell| cell.force.x)), Lanes(cells.map(|cell| cell.force.y))),
+            radial: (Lanes([a.x, -a.x, b.x, -b.x]), Lanes([a.y, -a.y, b.y, -b.y])),
+            drag: both(|ring| ring.drag),
+            twist: both(|ring| ring.twist),
+            arm: both(|ring| ring.arm),
+            cap,
+            // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
+            cut: if hold.sharp { both(|ring| ring.load) * hold.mu_d } else { cap },
+        }
+    }
+
+    /// What the bristles hold if the patch shifts by `felt`. A function of its own, as is [`lost`](Self::lost): inlined, the compiler mixes the lanes with the
+    /// sums that are made of them.
+    #[inline(never)]
+    pub fn moved(&self, felt: Shift) -> Moved {
+        let hoop = self.twist * felt.twist;
+        let x = self.force.0 + self.drag * felt.drag.x - self.radial.1 * hoop;
+        let y = self.force.1 + self.drag * felt.drag.y + self.radial.0 * hoop;
+        let (size2, cap2) = (x * x + y * y, self.cap * self.cap);
+        let (mut trial, mut over, mut scale) = (Lanes::default(), Lanes::default(), Lanes::splat(1.0));
+        for i in 0..BRISTLES {
+            if size2.0[i] <= cap2.0[i] {
+                continue;
+            }
+            let size = root(size2.0[i]);
+            (trial.0[i], over.0[i], scale.0[i]) = (size, 1.0 / size, self.cut.0[i] / size);
+        }
+        let along = (x * over, y * over);
+        let held = |stuck: Lanes, along: Lanes| {
+            let slid = along * self.cut;
+            Lanes(core::array::from_fn(|i| if trial.0[i] > 0.0 { slid.0[i] } else { stuck.0[i] }))
+        };
+        let force = (held(x, along.0), held(y, along.1));
+        let torque = self.arm * (self.radial.0 * force.1 - self.radial.1 * force.0);
+        Moved { force, torque, trial, scale, along }
+    }
+
+    /// What the bristles lose by sliding along the unit vectors n: k (1 - Pi) with Pi = scale (1 - n n^T), scale = cap/|trial|; nothing of those
+    /// that stick, with n = 0 and scale 1.
+    #[inline(never)]
+    pub fn lost(&self, moved: &Moved) -> Lost {
+        let Moved { scale, along: (x, y), .. } = *moved;
+        let cut = Lanes::splat(1.0) - scale;
+        // the hoop direction is the radial one a quarter turn on
+        let (hoop_x, hoop_y) = (self.radial.1 * Lanes::splat(-1.0), self.radial.0);
+        let across = scale * (x * hoop_x + y * hoop_y);
+        let (lost_x, lost_y) = (hoop_x * cut + x * across, hoop_y * cut + y * across);
+        let arm_drag = self.arm * self.drag;
+        Lost {
+            drag: [self.drag * (cut + scale * x * x), self.drag * scale * x * y, self.drag * (cut + scale * y * y)],
+            force_twist: (lost_x * self.twist, lost_y * self.twist),
+            torque_drag: (lost_x * arm_drag, lost_y * arm_drag),
+            twist: self.arm * self.twist * (hoop_x * lost_x + hoop_y * lost_y),
+        }
+    }
+}
