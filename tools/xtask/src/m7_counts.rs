@@ -16,7 +16,7 @@ use crate::run::{ask, root};
 const TABLE: &str = "tests/bench/COUNTS-M7.md";
 
 /// Command that writes it.
-const COMMAND: &str = "cargo xtask m7 accept";
+const COMMAND: &str = "cargo xtask m7 costs --accept";
 
 /// Its columns that may not grow.
 const UNITS: [&str; 3] = ["mean", "worst", "bytes of stack"];
@@ -116,7 +116,7 @@ pub fn write(counted: &Counted, compiler: &str) -> Result<()> {
 const HEAD: &str = "\
 # What a tick costs on a Cortex-M7, in instructions
 
-Written by `cargo xtask m7 accept`; `cargo xtask m7` fails when a number grows by more than 2 %. Instructions of an emulated Cortex-M7 with a floating-point unit of single precision,
+Written by `cargo xtask m7 costs --accept`; `cargo xtask m7` fails when a number grows by more than 2 %. Instructions of an emulated Cortex-M7 with a floating-point unit of single precision,
 release profile of `firmware-sim/cortex-m`, exact: the same image counts the same on every run. A count is no time: the emulator knows no pipeline, no cache and no wait states. At
 480 MHz and one instruction a cycle, 1 kHz leaves 480,000 instructions.
 

@@ -20,7 +20,7 @@ use crate::run::{ask, root};
 const TABLE: &str = "tests/bench/MEMORY.md";
 
 /// Command that writes it.
-const COMMAND: &str = "cargo xtask m7 accept";
+const COMMAND: &str = "cargo xtask m7 costs --accept";
 
 /// Functions below which stack is bounded: what they are, which image, their name in it.
 const ROOTS: [(&str, usize, &str); 8] = [
@@ -253,7 +253,7 @@ fn f64_row(by: &str) -> String {
 const HEAD: &str = "\
 # The memory of a tick and of the images
 
-Written by `cargo xtask m7 accept`; `cargo xtask m7` fails when a number grows by more than 2 %, and whatever the table says when something below a tick calls itself, calls what is not
+Written by `cargo xtask m7 costs --accept`; `cargo xtask m7` fails when a number grows by more than 2 %, and whatever the table says when something below a tick calls itself, calls what is not
 known, allocates or can panic. Some functions ask themselves once more for the primitive that stands in for a mesh, and count twice. Release profile of `firmware-sim/cortex-m`.
 
 ";

@@ -48,7 +48,9 @@ enum Cli {
     Ci,
     /// Builds core, wire and engine for a Cortex-M7 without an operating system, looks for an allocator, runs a session, a recording and the simulated device on an
     /// emulated one, compares the bits with those of a debug and a release build, and instructions, stack and sizes with the kept tables
-    #[command(after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250\n         cargo xtask m7 accept")]
+    #[command(
+        after_help = "Example: cargo xtask m7\n         cargo xtask m7 device --rate 250\n         cargo xtask m7 costs --accept"
+    )]
     M7 {
         #[command(subcommand)]
         only: Option<M7>,
@@ -102,8 +104,12 @@ enum Cli {
 enum M7 {
     /// The simulated device as firmware, and a session of the real host on it
     Device(m7_device::Args),
-    /// Counts instructions and looks at memory, and keeps what is found in tests/bench/COUNTS-M7.md and MEMORY.md
-    Accept,
+    /// What a tick costs: compares instructions, stack and sizes with tests/bench/COUNTS-M7.md and MEMORY.md
+    Costs {
+        /// Keep the present ones from now on
+        #[arg(long)]
+        accept: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -112,7 +118,7 @@ fn main() -> ExitCode {
         Cli::Ci => ci::run(),
         Cli::M7 { only: None } => m7::run(),
         Cli::M7 { only: Some(M7::Device(args)) } => m7::device(&args),
-        Cli::M7 { only: Some(M7::Accept) } => m7::accept(),
+        Cli::M7 { only: Some(M7::Costs { accept }) } => m7::costs(accept),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
