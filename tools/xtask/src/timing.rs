@@ -263,6 +263,6 @@ const TIMING_HEAD: &str = "\
 
 Written by `cargo xtask timing`, which runs `haptor timing` on each scene: for every tier fixed motions and a search for the dearest tick, its exact instructions (x86-64, callgrind), and the
 time of that input over and over under SCHED_FIFO, pinned, with locked memory, where the system grants them. Counts are exact and the same on every run; far quantiles and max are the machine's:
-interrupts, neighbours and the hypervisor count as well. Counts of an emulated Cortex-M7: `cargo xtask m7`. Columns of stages as in [COUNTS.md](COUNTS.md).
+interrupts, neighbours and the hypervisor count as well. Counts of an emulated Cortex-M7: `cargo xtask m7`, kept in `COUNTS-M7.md`. Columns of stages as in [COUNTS.md](COUNTS.md).
 
 ";

@@ -120,7 +120,7 @@ impl Report {
             None => "no instructions: valgrind is not installed (Debian: apt-get install valgrind); dearest = longest in the fastest of five rounds".to_owned(),
         };
         format!(
-            "{}: what a tick costs at worst\n{counted}\nCortex-M7: no count here; `cargo xtask m7` counts on an emulated one, the table is in tests/bench\nup to {} parts touch at once; seed {}\n",
+            "{}: what a tick costs at worst\n{counted}\nCortex-M7: no count here; `cargo xtask m7` counts on an emulated one, the table is tests/bench/COUNTS-M7.md\nup to {} parts touch at once; seed {}\n",
             self.scene, self.parts, self.seed
         )
     }
