@@ -16,6 +16,7 @@ fn every_command_has_help_with_an_example() {
         &["run"],
         &["view"],
         &["plot"],
+        &["trade"],
         &["trajectory"],
         &["trajectory", "press-twist-slide"],
         &["trajectory", "moves"],

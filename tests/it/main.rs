@@ -48,6 +48,7 @@ mod steady_loop;
 mod support;
 mod surface;
 mod timing;
+mod trade;
 #[path = "../support/viewer.rs"]
 mod viewer;
 mod viewer_link;

@@ -27,6 +27,7 @@ mod surface;
 mod table;
 mod text;
 mod timing;
+mod trade;
 mod trajectory;
 mod trial;
 mod usb;

@@ -3,7 +3,7 @@
 use haptor_contact::green::Green;
 use haptor_contact::surface::Surface;
 use haptor_contact::{
-    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, ModelSpec, Output, Params, ParamsSpec, PatchReport, Pose, ProbeFrame,
+    Input, Invalid, MAX_BRISTLES, MAX_PARTS, Model, ModelSpec, Output, Params, ParamsSpec, Patch, PatchReport, Pose, ProbeFrame,
     Scratch, State, World, patch_report, step,
 };
 use haptor_mesh::Mesh;
@@ -64,6 +64,11 @@ impl<'a> Simulation<'a> {
     /// Pose `x_wp` of the probe after the last tick: where the coupling has brought it. Before one was accepted, the handle of `row`.
     pub fn probe(&self, row: &Row) -> Pose<World, ProbeFrame> {
         self.state.probe_pose().unwrap_or(Pose::new(row.position, row.rotation))
+    }
+
+    /// The contacts themselves after the last tick, oldest first.
+    pub fn contacts(&self) -> &[Patch] {
+        self.state.patches()
     }
 
     /// The patches in contact after the last tick, oldest first.

@@ -103,6 +103,12 @@ impl Patch {
         &self.pressure
     }
 
+    /// Mean tractions of every cell along x and y, in the sense of the motion that loaded them.
+    #[must_use]
+    pub fn traction(&self) -> [&[f64]; 2] {
+        [&self.traction[0], &self.traction[1]]
+    }
+
     /// Normal load.
     #[must_use]
     pub fn load(&self) -> f64 {
@@ -155,10 +161,6 @@ impl Patch {
         }
         sum
     }
-
-    fn slices(&self) -> [&[f64]; 2] {
-        [&self.traction[0], &self.traction[1]]
-    }
 }
 
 /// Patches under one probe, with their stick state.
@@ -210,6 +212,15 @@ impl Contact {
     pub fn set_pressure(&mut self, index: usize, pressure: Vec<f64>) {
         assert_eq!(pressure.len(), self.patches[index].pressure.len(), "a field over another lattice");
         self.patches[index].pressure = pressure;
+    }
+
+    /// Gives patch `index` another gap between the undeformed bodies, cell by cell, which the next press is solved for.
+    ///
+    /// # Panics
+    /// As [`Self::set_pressure`].
+    pub fn set_separation(&mut self, index: usize, separation: &[f64]) {
+        assert_eq!(separation.len(), self.patches[index].lattice.len(), "a field over another lattice");
+        self.patches[index].separation = separation.to_vec();
     }
 
     /// Presses every patch to its depth, then moves the probe by `motions` since the last step, and solves for where that ends.
@@ -268,7 +279,7 @@ impl Contact {
     fn sunk_by_friction(&self, patch: &Patch) -> Vec<f64> {
         let mut sunk = vec![0.0; patch.lattice.len()];
         if self.coupled {
-            patch.lattice.cells().for_each(|(index, _)| sunk[index] = patch.kernels.sunk_by_tractions(index, patch.slices()));
+            patch.lattice.cells().for_each(|(index, _)| sunk[index] = patch.kernels.sunk_by_tractions(index, patch.traction()));
         }
         sunk
     }
@@ -360,7 +371,7 @@ impl Contact {
                 if cap == 0.0 && old == [0.0; 2] {
                     continue;
                 }
-                let [ux, uy] = patch.kernels.level(index, patch.slices());
+                let [ux, uy] = patch.kernels.level(index, patch.traction());
                 let [gx, gy, turn] = [0, 1, 2].map(|k| ground[3 * at + k]);
                 let [tx, ty] = [0, 1].map(|k| patch.wanted[index][k] - patch.pressed[index][k]);
                 let rest = [tx - ux - gx + turn * cy, ty - uy - gy - turn * cx];
@@ -378,11 +389,16 @@ impl Contact {
         moved
     }
 
-    /// Motion of the ground under every patch by all grips.
+    /// Motion of the ground under every patch (x, y, turn, patch after patch) by all grips.
     #[must_use]
     pub fn ground_motion(&self) -> Vec<f64> {
-        let grips: Vec<f64> = self.patches.iter().flat_map(Patch::grip).collect();
-        self.ground.level.chunks_exact(grips.len()).map(|row| row.iter().zip(&grips).map(|(c, r)| c * r).sum()).collect()
+        self.moved_by(&self.patches.iter().flat_map(Patch::grip).collect::<Vec<f64>>())
+    }
+
+    /// The same by grips that are given, patch after patch.
+    #[must_use]
+    pub fn moved_by(&self, grips: &[f64]) -> Vec<f64> {
+        self.ground.level.chunks_exact(grips.len()).map(|row| row.iter().zip(grips).map(|(c, r)| c * r).sum()).collect()
     }
 
     /// Remembers where every cell is now.
@@ -390,7 +406,7 @@ impl Contact {
         let ground = self.ground_motion();
         for (patch, motion) in self.patches.iter_mut().zip(ground.chunks_exact(3)) {
             for (index, [cx, cy]) in patch.lattice.cells() {
-                let ([x, y], [px, py]) = (patch.kernels.level(index, patch.slices()), patch.pressed[index]);
+                let ([x, y], [px, py]) = (patch.kernels.level(index, patch.traction()), patch.pressed[index]);
                 patch.held[index] = [x + px + motion[0] - motion[2] * cy, y + py + motion[1] + motion[2] * cx];
             }
         }

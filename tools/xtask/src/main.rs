@@ -26,6 +26,7 @@ mod scenes;
 mod timing;
 #[path = "../../../tests/support/worst.rs"]
 mod worst;
+mod trade;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -84,6 +85,19 @@ enum Cli {
     /// Draws the pictures of the ready scenes anew: moments, force and torque over time
     #[command(after_help = "Example: cargo xtask pictures")]
     Pictures,
+    /// Measures speed against accuracy on the ready scenes and writes tests/bench/TRADE.md, its pictures and trade.json
+    #[command(after_help = "Example: cargo xtask trade\n         cargo xtask trade --errors")]
+    Trade {
+        /// Ticks to time for each setting in place of 100000
+        #[arg(long, value_name = "N")]
+        ticks: Option<usize>,
+        /// A first look: fewer settings, one rate, a coarser reference
+        #[arg(long)]
+        quick: bool,
+        /// Only trade.json, which the tests watch
+        #[arg(long)]
+        errors: bool,
+    },
     /// Checks that the documents tell the truth
     #[command(after_help = "Example: cargo xtask docs --check\n         cargo xtask docs --run README.md")]
     Docs {
@@ -124,6 +138,7 @@ fn main() -> ExitCode {
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),
+        Cli::Trade { ticks, quick, errors } => trade::run(ticks, quick, errors),
         Cli::Docs { run: true, documents, .. } => docs::run_examples(&documents),
         Cli::Docs { .. } => docs::check(),
     };

@@ -16,6 +16,7 @@ mod replay;
 mod run;
 mod tell;
 mod timing;
+mod trade;
 mod trajectory;
 mod view;
 mod watch;
@@ -39,6 +40,7 @@ pub enum Command {
     Tell(tell::Args),
     Timing(timing::Args),
     Plot(plot::Args),
+    Trade(trade::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
     Devices(devices::Args),
@@ -62,6 +64,7 @@ pub fn run(command: Command) -> Outcome {
         Command::Tell(args) => tell::run(&args),
         Command::Timing(args) => timing::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Trade(args) => trade::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),

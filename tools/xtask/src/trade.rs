@@ -1,0 +1,88 @@
+//! `cargo xtask trade`: speed against accuracy of the ready scenes, as `tests/bench/TRADE.md` with a picture for each, and the errors of a first look, which `tests/it/trade.rs`
+//! watches, as `tests/bench/trade.json`.
+
+use std::fs;
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result, bail};
+
+use crate::run::{self, ask, root};
+use crate::scenes::SCENES;
+
+/// Tiers whose errors are kept and watched: the others take a debug build minutes.
+const WATCHED: [&str; 3] = ["--tier=point", "--tier=paper", "--tier=bristle"];
+
+/// Measures every scene with the host tool in release; `ticks` in place of the tool's own number of timed ticks.
+pub fn run(ticks: Option<usize>, quick: bool, errors_only: bool) -> Result<ExitCode> {
+    let haptor = run::release_tool()?;
+    let folder = root().join("tests/bench");
+    let trade = |name: &str, more: &[&str]| {
+        let mut command = run::program(&haptor);
+        command.args(["trade", &format!("tests/scenes/{name}.toml")]).args(more);
+        output(&mut command)
+    };
+    let mut first_looks = Vec::new();
+    for name in SCENES {
+        let options = [&["--quick", "--no-cost", "--json"][..], &WATCHED].concat();
+        first_looks.push(trade(name, &options)?.trim().to_owned());
+    }
+    write(&folder.join("trade.json"), &format!("[\n{}\n]\n", first_looks.join(",\n")))?;
+    if errors_only {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let again = if quick { "cargo xtask trade --quick" } else { "cargo xtask trade" };
+    let mut text = HEAD.replace("{again}", again).replace("{machine}", &machine());
+    let ticks = ticks.map(|ticks| format!("--ticks={ticks}"));
+    for name in SCENES {
+        let picture = format!("--picture=tests/bench/trade-{name}.png");
+        let options: Vec<&str> =
+            ["--markdown", &picture].into_iter().chain(quick.then_some("--quick")).chain(ticks.as_deref()).collect();
+        text += &format!("\n{}\n![{name}: error against time](trade-{name}.png)\n", trade(name, &options)?);
+    }
+    write(&folder.join("TRADE.md"), &text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn output(command: &mut Command) -> Result<String> {
+    let output = command.output().context("the tool cannot be started")?;
+    if !output.status.success() {
+        bail!("{command:?}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+fn write(file: &std::path::Path, text: &str) -> Result<()> {
+    fs::write(file, text).with_context(|| format!("{}", file.display()))?;
+    println!("{} written", file.display());
+    Ok(())
+}
+
+/// Date, cores, processor, kernel.
+fn machine() -> String {
+    let line = |program, args: &[&str]| ask(program, args).unwrap_or_default();
+    let cpu = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ")).map_or("", |(_, name)| name);
+    format!(
+        "{}, {} cores of {model}, Linux {}, {}",
+        line("date", &["+%-d %B %Y"]),
+        line("nproc", &[]),
+        line("uname", &["-r"]),
+        line("rustc", &["--version"])
+    )
+}
+
+const HEAD: &str = "\
+# Speed against accuracy
+
+Written by `{again}`: `haptor trade` on the ready scenes, {machine}. Errors are the same on every run and machine, and `tests/it/trade.rs` watches those of a first look
+(`trade.json`); times are this machine's while others used it too.
+
+The probe is pressed by a twentieth of its radius, twisted to four times the turn that a sticking contact would need for full slip, turned back and forth, and led on a circle with twist and along an
+aimless path, 0.4 s each. Errors are largest (root mean square): normal force while pressing, of the force at full depth; torque in twist and reversal, of the largest torque of the twist; mixed motion: force
+along the surface of mu P, torque as before, the worse; surface: displacement within three contact radii, pressed and after each motion, of the largest there, with the body's motion (`deformation = \"full\"`) and without (`\"local\"`); with
+`\"none\"` it is 100 %. Truth: the f64 reference (`tools/reference`) on half spaces with the scene's own shapes, plus the body's compliance from where each section says; where that is the scene's own,
+its error does not show.
+
+Worst time: the dearest tick, each tick taken at its fastest of all repetitions; max includes interruptions. Instructions: the dearest of 64 ticks, by callgrind. Bytes: state and workspace with room for a probe of 16
+parts, without a body's table.
+";
