@@ -24,9 +24,9 @@ mod run;
 #[path = "../../../tests/support/golden.rs"]
 mod scenes;
 mod timing;
+mod trade;
 #[path = "../../../tests/support/worst.rs"]
 mod worst;
-mod trade;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
