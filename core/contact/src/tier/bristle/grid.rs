@@ -139,11 +139,8 @@ fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bris
 pub fn thin(layout: &Layout, rings: &Rings, bristles: &mut [Bristle], kept: f32) {
     let kept = clamp(kept, 0.0, 1.0);
     let inside = rings.len() * AROUND;
-    for (i, bristle) in bristles.iter_mut().take(layout.rings * AROUND).enumerate() {
-        if i >= inside {
-            *bristle = Bristle::default();
-        } else if kept < 1.0 {
-            bristle.force *= kept;
-        }
+    if kept < 1.0 {
+        bristles.iter_mut().take(inside).for_each(|bristle| bristle.force *= kept);
     }
+    bristles.iter_mut().take(layout.rings * AROUND).skip(inside).for_each(|bristle| *bristle = Bristle::default());
 }

@@ -2,7 +2,7 @@
 
 use crate::lanes::Lanes;
 use crate::limits::MAX_BRISTLES;
-use crate::math::root;
+use crate::math::sqrt;
 use crate::patch::Shift;
 use crate::tier::Hold;
 use crate::tier::bristle::ring::{Ring, Rings};
@@ -78,7 +78,12 @@ impl Quad {
         let [a, b] = [layout.direction(k, 0), layout.direction(k + 1, 0)];
         let [p, q, r, s] = cells;
         let cap = |ring: &Ring, cell: &Bristle| friction(hold, ring, cell.slipped) * ring.load;
-        let cap = Lanes([cap(inner, p), cap(inner, q), cap(outer, r), cap(outer, s)]);
+        let falls = hold.mu_s > hold.mu_d;
+        let cap = if falls {
+            Lanes([cap(inner, p), cap(inner, q), cap(outer, r), cap(outer, s)])
+        } else {
+            both(|ring| ring.load) * hold.mu_s
+        };
         Self {
             force: (Lanes(cells.map(|cell| cell.force.x)), Lanes(cells.map(|cell| cell.force.y))),
             radial: (Lanes([a.x, -a.x, b.x, -b.x]), Lanes([a.y, -a.y, b.y, -b.y])),
@@ -104,7 +109,7 @@ impl Quad {
             if size2.0[i] <= cap2.0[i] {
                 continue;
             }
-            let size = root(size2.0[i]);
+            let size = sqrt(size2.0[i]);
             (trial.0[i], over.0[i], scale.0[i]) = (size, 1.0 / size, self.cut.0[i] / size);
         }
         let along = (x * over, y * over);

@@ -29,6 +29,7 @@ pub struct Rings {
 
 impl Rings {
     /// Rings of `grid` under the load of `hold`.
+    #[inline]
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
         let mut rings = heapless::Vec::new();
         let mut inner = Inside::default();
