@@ -137,8 +137,8 @@ fn group(distance: f32, patches: &mut VecView<Patch>) {
 }
 
 fn join(distance: f32, patches: &mut [Patch], i: usize, j: usize) -> bool {
-    let (Some(a), Some(b)) = (patches.get(i), patches.get(j)) else { return false };
-    if a.region == b.region || rim_distance(a, b.centre, b.footprint.radius) >= distance {
+    let (a, b) = (patches[i], patches[j]);
+    if a.region == b.region || rim_distance(&a, b.centre, b.footprint.radius) >= distance {
         return false;
     }
     let label = if a.region < b.region { a.region } else { b.region };
