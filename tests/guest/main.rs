@@ -1,15 +1,19 @@
 //! What runs inside the guest of `cargo xtask guest`: sessions of the real host with the simulated device on the kernel's own USB, then the
 //! drills.
 //!
-//! `haptor-guest SECONDS [drills]`, as root, the programs in `/bin`. It prints lines that begin with `@` for `xtask` to read:
-//! `@session|...`, `@drill|...`, each with the columns of the tables in `DRILLS.md`, `@failed|WHAT` for everything that is not as it
+//! `haptor-guest SECONDS [drills|latency]`, as root, the programs in `/bin`. It prints lines that begin with `@` for `xtask` to read:
+//! `@session|...`, `@drill|...`, `@latency|...`, `@calls|...`, each with the columns of the tables in `DRILLS.md` and `LATENCY.md`, `@failed|WHAT` for everything that is not as it
 //! should be, and `@end`. All times are the guest's own.
 
 mod drills;
 mod judge;
+mod latency;
 mod openings;
 mod programs;
 mod recording;
+#[path = "../../tools/haptor/src/trial/spread.rs"]
+#[allow(dead_code, reason = "the tool asks for more")]
+mod spread;
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -35,26 +39,36 @@ const COUNTER: &str = "/lib/malloc_count.so";
 fn main() -> Result<()> {
     let mut args = env::args().skip(1);
     let seconds: f64 = args.next().context("seconds")?.parse().context("seconds")?;
+    let what = args.next();
     let folder = env::temp_dir();
     let model = folder.join("ball-on-cube.model");
     fs::write(&model, baked()?)?;
+    if what.as_deref() == Some("latency") {
+        latency::run(&model, seconds);
+    } else {
+        sessions(&model, seconds, what.is_some());
+    }
+    println!("@end");
+    Ok(())
+}
+
+/// Sessions without a fault, and the drills.
+fn sessions(model: &Path, seconds: f64, drills: bool) {
     for (device, seconds) in [("usb:G1", seconds), ("usb-bulk:G1", seconds.min(10.0)), ("usb:G1 --pace clock", seconds.min(10.0))]
     {
-        if let Err(error) = session(&model, device, seconds) {
+        if let Err(error) = session(model, device, seconds) {
             println!("@failed|{device}: {error:#}");
         }
     }
-    match allocations(&model) {
+    match allocations(model) {
         Ok(per_tick) if per_tick <= ALLOCATIONS_MAX => println!("@allocations|{per_tick:.2}"),
         Ok(per_tick) => println!("@failed|{per_tick} allocations a tick in C, {ALLOCATIONS_MAX} are known of libusb"),
         Err(error) => println!("@failed|counting allocations: {error:#}"),
     }
-    if args.next().is_some() {
-        drills::run(&model);
-        openings::run(&model);
+    if drills {
+        drills::run(model);
+        openings::run(model);
     }
-    println!("@end");
-    Ok(())
 }
 
 /// A session without a fault, told in figures.

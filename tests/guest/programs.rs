@@ -140,6 +140,18 @@ impl Host {
         }
     }
 
+    /// Number of the process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Ends it at once.
+    pub fn kill(mut self) -> Result<()> {
+        self.child.kill()?;
+        self.child.wait()?;
+        Ok(())
+    }
+
     /// What it has used so far.
     pub fn account(&self) -> Result<Account> {
         let id = self.child.id();
@@ -188,14 +200,19 @@ fn files(id: u32) -> Result<usize> {
 }
 
 fn ran_ns(id: u32) -> Result<u64> {
+    let mut text = String::new();
+    File::open(task(id, "real-time")?.join("schedstat"))?.read_to_string(&mut text)?;
+    Ok(text.split(' ').next().context("schedstat")?.parse()?)
+}
+
+/// The kernel's folder of a thread of a process.
+pub fn task(id: u32, name: &str) -> Result<PathBuf> {
     for entry in fs::read_dir(format!("/proc/{id}/task"))?.flatten() {
-        if fs::read_to_string(entry.path().join("comm"))?.trim() == "real-time" {
-            let mut text = String::new();
-            File::open(entry.path().join("schedstat"))?.read_to_string(&mut text)?;
-            return Ok(text.split(' ').next().context("schedstat")?.parse()?);
+        if fs::read_to_string(entry.path().join("comm"))?.trim() == name {
+            return Ok(entry.path());
         }
     }
-    bail!("no real-time thread")
+    bail!("no thread {name}")
 }
 
 fn until(what: &str, mut done: impl FnMut() -> Result<bool>) -> Result<()> {

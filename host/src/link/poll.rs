@@ -1,6 +1,6 @@
 //! Reading and writing a descriptor that does not block, for sockets and ports alike.
 //!
-//! Straight on poll(2), read(2), write(2): three system calls a tick, no allocation, also when nothing comes. (A serial port's
+//! Terminals are asked less often: see [`super::arrivals`]. Straight on poll(2), read(2), write(2): three system calls a tick, no allocation, also when nothing comes. (A serial port's
 //! or a socket's own time-out builds an error with text, which allocates.)
 
 use std::os::fd::AsFd;

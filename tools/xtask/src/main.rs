@@ -19,6 +19,7 @@ mod m7_device;
 mod m7_image;
 mod m7_memory;
 mod pictures;
+mod real_time_loop;
 mod recordings;
 mod run;
 #[path = "../../../tests/support/golden.rs"]
@@ -63,18 +64,24 @@ enum Cli {
     #[command(after_help = "Example: cargo xtask timing --kept")]
     Timing(timing::Args),
     /// Runs host and simulated device over USB on a real-time kernel in an emulator; with the drills, unplugs, halts and damages
-    #[command(after_help = "Example: cargo xtask guest --drills --seconds 3")]
+    #[command(after_help = "Example: cargo xtask guest --drills --seconds 3\n         cargo xtask guest --latency --seconds 20")]
     Guest {
         /// Length of the first session, in the guest's time
         #[arg(long, default_value_t = 60.0, value_name = "S")]
         seconds: f64,
         /// Run the drills as well
-        #[arg(long)]
+        #[arg(long, conflicts_with = "latency")]
         drills: bool,
-        /// Keep the tables in tests/guest/DRILLS.md
+        /// In place of sessions, run the host's loop beside cyclictest and trace its system calls
+        #[arg(long)]
+        latency: bool,
+        /// Keep the tables in tests/guest/DRILLS.md or LATENCY.md
         #[arg(long)]
         accept: bool,
     },
+    /// Measures the loop on this machine: beside cyclictest, at rates up to 8 kHz, with rights left out; tests/bench/LOOP.md
+    #[command(after_help = "Example: cargo xtask loop --minutes 10 --seconds 30 --accept")]
+    Loop(real_time_loop::Args),
     /// Compares the curves of the ready scenes in every tier with those that are kept
     #[command(after_help = "Example: cargo xtask golden --accept")]
     Golden {
@@ -136,6 +143,10 @@ fn main() -> ExitCode {
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
         Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
+        Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),
+        Cli::Guest { seconds, drills: true, accept, .. } => guest::run(seconds, guest::What::Drills, accept),
+        Cli::Guest { seconds, accept, .. } => guest::run(seconds, guest::What::Sessions, accept),
+        Cli::Loop(args) => real_time_loop::run(&args),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Pictures => pictures::run(),
         Cli::Trade { ticks, quick, errors } => trade::run(ticks, quick, errors),

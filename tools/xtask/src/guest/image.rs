@@ -9,8 +9,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use super::PROGRAMS;
 use super::kernel::{Kernel, MODULES};
+use super::{PROGRAMS, What};
 use crate::run::{self, ask, root};
 
 /// The shell; statically linked, or it would need libraries before there are any.
@@ -23,7 +23,7 @@ const SHELL_PACKAGE: &str = "busybox-static";
 const FOLDERS: [&str; 7] = ["bin", "lib", "modules", "dev", "proc", "sys", "tmp"];
 
 /// Builds the image; yields its path.
-pub fn build(folder: &Path, kernel: &Kernel, programs: &Path, seconds: f64, drills: bool) -> Result<PathBuf> {
+pub fn build(folder: &Path, kernel: &Kernel, programs: &Path, seconds: f64, what: What) -> Result<PathBuf> {
     if !Path::new(SHELL).is_file() {
         run::install(&[SHELL_PACKAGE])?;
     }
@@ -36,16 +36,14 @@ pub fn build(folder: &Path, kernel: &Kernel, programs: &Path, seconds: f64, dril
     for name in MODULES {
         copy(&module(&kernel.modules, name)?, &tree.join("modules").join(name))?;
     }
-    for name in PROGRAMS {
-        let program = programs.join(name);
-        copy(&program, &tree.join("bin").join(name))?;
-        for library in libraries(&program)? {
-            copy(&library, &tree.join(library.strip_prefix("/")?))?;
-        }
+    let ours = PROGRAMS.iter().map(|name| Ok(programs.join(name)));
+    let theirs = what.tools().iter().map(|name| in_path(name));
+    for program in ours.chain(theirs) {
+        with_libraries(&program?, &tree)?;
     }
     counter(&tree.join("lib/malloc_count.so"))?;
     let init = tree.join("init");
-    fs::write(&init, script(seconds, drills))?;
+    fs::write(&init, script(seconds, what))?;
     fs::set_permissions(&init, fs::Permissions::from_mode(0o755))?;
     pack(&tree, &folder.join("guest.cpio"))
 }
@@ -60,9 +58,9 @@ fn counter(into: &Path) -> Result<()> {
 }
 
 /// What the kernel starts.
-fn script(seconds: f64, drills: bool) -> String {
+fn script(seconds: f64, what: What) -> String {
     let modules = MODULES.map(|name| format!("insmod /modules/{name}\n")).concat();
-    let drills = if drills { "drills" } else { "" };
+    let what = what.argument();
     format!(
         "#!/bin/busybox sh\n\
          /bin/busybox --install -s /bin\n\
@@ -70,9 +68,26 @@ fn script(seconds: f64, drills: bool) -> String {
          mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devtmpfs dev /dev; mount -t tmpfs tmp /tmp\n\
          {modules}\
          [ \"$(cat /sys/kernel/realtime)\" = 1 ] || echo '@failed|the kernel is not of the real-time kind'\n\
-         haptor-guest {seconds} {drills} || echo '@failed|haptor-guest ended badly'\n\
+         haptor-guest {seconds} {what} || echo '@failed|haptor-guest ended badly'\n\
          poweroff -f\n"
     )
+}
+
+/// A program of this machine.
+fn in_path(name: &str) -> Result<PathBuf> {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&folders).map(|folder| folder.join(name)).find(|path| path.is_file());
+    found.with_context(|| format!("{name} is not in the path"))
+}
+
+/// Copies a program and the libraries that it names.
+fn with_libraries(program: &Path, tree: &Path) -> Result<()> {
+    let name = program.file_name().context("a program has a name")?;
+    copy(program, &tree.join("bin").join(name))?;
+    for library in libraries(program)? {
+        copy(&library, &tree.join(library.strip_prefix("/")?))?;
+    }
+    Ok(())
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

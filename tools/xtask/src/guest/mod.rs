@@ -26,44 +26,85 @@ use report::Report;
 pub const PROGRAMS: [&str; 3] = ["haptor-host", "haptor-firmware-sim", "haptor-guest"];
 
 /// Tools and Debian's packages of them.
-const TOOLS: [(&str, &str, &str); 4] = [
+const TOOLS: [(&str, &str, &str); 6] = [
     ("qemu-system-x86_64", "--version", "qemu-system-x86"),
     ("cpio", "--version", "cpio"),
     ("dpkg-deb", "--version", "dpkg"),
     ("tar", "--version", "tar"),
+    ("cyclictest", "--help", "rt-tests"),
+    ("strace", "--version", "strace"),
 ];
+
+/// Those of them that are only needed where they run in the guest.
+const GUEST_TOOLS: [&str; 2] = ["cyclictest", "strace"];
 
 /// Wall time after which the emulator counts as hung; a loaded machine needs a sixth of it.
 const PATIENCE: &str = "3600";
 
-/// Where the tables are kept.
-const TABLES: &str = "tests/guest/DRILLS.md";
+/// What is run in the guest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// Sessions over USB.
+    Sessions,
+    /// The same and the drills.
+    Drills,
+    /// The host beside cyclictest, and its system calls.
+    Latency,
+}
+
+impl What {
+    /// The guest's argument.
+    const fn argument(self) -> &'static str {
+        match self {
+            Self::Sessions => "",
+            Self::Drills => "drills",
+            Self::Latency => "latency",
+        }
+    }
+
+    /// Programs of this machine that it needs in the guest, by their names and Debian's packages.
+    const fn tools(self) -> &'static [&'static str] {
+        match self {
+            Self::Sessions | Self::Drills => &[],
+            Self::Latency => &["cyclictest", "strace"],
+        }
+    }
+
+    /// Where its tables are kept.
+    const fn tables(self) -> &'static str {
+        match self {
+            Self::Sessions | Self::Drills => "tests/guest/DRILLS.md",
+            Self::Latency => "tests/guest/LATENCY.md",
+        }
+    }
+}
 
 /// Builds, boots, judges; with `accept` keeps the tables.
-pub fn run(seconds: f64, drills: bool, accept: bool) -> Result<ExitCode> {
-    check_tools()?;
+pub fn run(seconds: f64, what: What, accept: bool) -> Result<ExitCode> {
+    check_tools(what)?;
     let target = target()?;
     let folder = target.join("guest");
     fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
     let kernel = kernel::fetch(&folder)?;
     let packages = PROGRAMS.iter().flat_map(|name| ["-p", *name]);
     run::run(cargo().args(["build", "--release"]).args(packages).arg("--target-dir").arg(&target))?;
-    let image = image::build(&folder, &kernel, &target.join("release"), seconds, drills)?;
+    let image = image::build(&folder, &kernel, &target.join("release"), seconds, what)?;
     let report = boot(&kernel.image, &image)?;
     print!("{}", report.tables());
     if !report.is_good() {
         bail!("{}", report.failures());
     }
     if accept {
-        let file = root().join(TABLES);
-        fs::write(&file, report.document(&kernel.version, seconds)).with_context(|| format!("{}", file.display()))?;
+        let file = root().join(what.tables());
+        fs::write(&file, report.document(what, &kernel.version, seconds)).with_context(|| format!("{}", file.display()))?;
         println!("{} written", file.display());
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn check_tools() -> Result<()> {
-    for (tool, question, package) in TOOLS {
+fn check_tools(what: What) -> Result<()> {
+    let wanted = |(tool, _, _): &&(&str, &str, &str)| !GUEST_TOOLS.contains(tool) || what.tools().contains(tool);
+    for &(tool, question, package) in TOOLS.iter().filter(wanted) {
         if ask(tool, &[question]).is_none() {
             run::install(&[package])?;
         }
