@@ -128,12 +128,11 @@ impl Image {
                 }
                 Target::Outside(name) => {
                     below.calls.insert((name.clone(), function.name.clone()));
-                    match self.known.get(name) {
-                        Some(bytes) => deepest = deepest.max((bytes + self.per_call, None)),
-                        None => {
-                            below.unsized_functions.insert(name.clone());
-                        }
-                    }
+                    let Some(bytes) = self.known.get(name) else {
+                        below.unsized_functions.insert(name.clone());
+                        continue;
+                    };
+                    deepest = deepest.max((bytes + self.per_call, None));
                 }
                 Target::Unknown(instruction) => {
                     below.unknown.insert((function.name.clone(), instruction.clone()));
