@@ -28,6 +28,9 @@ pub struct Args {
     /// Count the kept inputs and the fixed motions anew; search and time nothing
     #[arg(long)]
     kept: bool,
+    /// Scenes to measure, by name; the others' figures stay
+    #[arg(value_parser = SCENES, conflicts_with = "kept")]
+    scene: Vec<String>,
     /// Folder with the released programs, in place of building them
     #[arg(long, value_name = "DIR")]
     programs: Option<PathBuf>,
@@ -47,14 +50,37 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Some(folder) => folder.clone(),
         None => measure(args, &programs()?.join("haptor"))?,
     };
+    let file = root().join("tests/bench/TIMING.md");
+    // what is measured for the first time has no former text
+    let former = fs::read_to_string(&file).unwrap_or_default();
+    let formerly_kept = rows(&fs::read_to_string(worst::table_file(root())).unwrap_or_default());
     let (mut text, mut kept) = (head()?, Vec::new());
     for scene in SCENES {
-        let report = report(&results.join(scene).join("timing.json"))?;
-        scene_text(&mut text, scene, &report)?;
-        kept.extend(keep(&results.join(scene), scene, &report)?);
+        if args.has(scene) {
+            let report = report(&results.join(scene).join("timing.json"))?;
+            scene_text(&mut text, scene, &report)?;
+            kept.extend(keep(&results.join(scene), scene, &report)?);
+        } else {
+            text.push_str(section(&former, scene));
+            kept.extend(formerly_kept.iter().filter(|one| one.scene == scene).cloned());
+        }
     }
     written(&worst::table_file(root()), &worst_table(&kept)?)?;
-    written(&root().join("tests/bench/TIMING.md"), &text)
+    written(&file, &text)
+}
+
+impl Args {
+    /// Whether a scene is to be measured.
+    fn has(&self, scene: &str) -> bool {
+        self.scene.is_empty() || self.scene.iter().any(|name| name == scene)
+    }
+}
+
+/// A scene's part of the document; empty when it has none.
+fn section<'a>(document: &'a str, scene: &str) -> &'a str {
+    let Some(from) = document.find(&format!("\n## {scene}\n")) else { return "" };
+    let part = &document[from..];
+    part[1..].find("\n## ").map_or(part, |end| &part[..=end])
 }
 
 fn written(file: &Path, text: &str) -> Result<ExitCode> {
@@ -66,7 +92,7 @@ fn written(file: &Path, text: &str) -> Result<ExitCode> {
 /// Runs the tool on every scene; yields the folder with the results.
 fn measure(args: &Args, haptor: &Path) -> Result<PathBuf> {
     let folder = target()?.join("timing");
-    for scene in SCENES {
+    for scene in SCENES.into_iter().filter(|scene| args.has(scene)) {
         let mut command = run::program(haptor);
         command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]);
         command.args(["--search-seconds", &args.search_seconds.to_string(), "-o"]).arg(folder.join(scene));

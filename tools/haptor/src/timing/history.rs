@@ -9,6 +9,9 @@ use crate::trajectory::HEADER;
 /// Share of the fastest motion that the core believes which a history may use: rounding must not make a jump of it.
 const BELIEVED: f32 = 0.9;
 
+/// Farthest way in a tick that the core may believe \[m\]: at the slowest rate, 100 Hz.
+const FARTHEST: f32 = 0.01 * MAX_SPEED;
+
 /// Poses from rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History {
@@ -21,9 +24,10 @@ pub struct History {
 }
 
 impl History {
-    /// Poses and nothing else: what a trajectory file holds.
+    /// Poses that the core believes, and nothing else: what a trajectory file holds.
     pub fn is_plain(&self) -> bool {
-        self.tunings.is_empty()
+        let jump = |pair: &[Pose<World, ProbeFrame>]| (pair[1].position - pair[0].position).length() > FARTHEST;
+        self.tunings.is_empty() && !self.poses.windows(2).any(jump)
     }
 
     /// Whether a tick runs at `level`: what was tuned before it, if anything, is of the same tier with as many samples.
@@ -102,6 +106,10 @@ mod tests {
         let history = History { name: "wild".into(), poses: poses(first, &[wild; 9], 1.0e-3), tunings: Vec::new() };
         let rows = crate::trajectory::parse(history.csv(1000).as_bytes()).unwrap();
         assert_eq!(rows.len(), 10);
+        assert!(history.is_plain());
+        let mut jumping = history.clone();
+        jumping.poses[4].position.x += 10.0;
+        assert!(!jumping.is_plain(), "a trajectory file takes no jump");
         assert!(
             rows.iter().zip(&history.poses).all(|(row, pose)| row.position == pose.position && row.rotation == pose.rotation)
         );
