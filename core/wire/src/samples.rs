@@ -138,6 +138,7 @@ pub const TUNING: Tuning = Tuning {
     breakaway: Breakaway::Smooth,
     deformation: Deformation::Full,
     gravity: true,
+    work: Some(u32::MAX),
     force_law: LAW,
     guard: GUARD,
 };
@@ -165,6 +166,7 @@ pub fn scene() -> BakedScene {
         coupling: Coupling::Virtual(COUPLING),
         breakaway: Breakaway::Smooth,
         gravity: true,
+        work: Some(u32::MAX),
         force_law: LAW,
         guard: GUARD,
         paper_length: 0.1,

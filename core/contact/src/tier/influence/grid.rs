@@ -36,11 +36,27 @@ impl Layout {
         self.side * self.side
     }
 
+    /// Places along the side of the widest window that is looked at: the smallest of the solver's that holds the square.
+    pub const fn widest_window(&self) -> usize {
+        if self.side <= 12 { 12 } else { 16 }
+    }
+
+    /// Cells whose centres a contact holds at most: on the square's inscribed circle the grid is laid anew.
+    pub const fn most_cells(&self) -> usize {
+        if self.side <= 12 { MOST_OF_10 } else { MOST_OF_14 }
+    }
+
     /// Contact radius over cell width of a fresh grid: the cells whose centre lies in the contact have its area.
     fn fresh(&self) -> f32 {
         sqrt(self.cells as f32 / PI)
     }
 }
+
+/// Cell centres within a circle of 5 cell widths about the corner of four cells.
+const MOST_OF_10: usize = 80;
+
+/// The same within 7.
+const MOST_OF_14: usize = 156;
 
 /// Most samples of any layout.
 const MOST_SLOTS: usize = Layout::FINE.slots();
