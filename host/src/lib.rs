@@ -11,6 +11,7 @@
 //! | [`session`] | the threads of a run and the queues between them |
 //! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
 //! | [`viewer`] | programs that look on and may steer: the server of the viewer link |
+//! | [`work`] | what a tick may spend on this machine |
 //! | [`error`] | what can go wrong outside the tick |
 //!
 //! The binary `haptor-host` is arguments in, exit code out. Other programs of this project start it and listen to its status; they do
@@ -25,3 +26,4 @@ pub mod rt;
 pub mod session;
 pub mod status;
 pub mod viewer;
+pub mod work;

@@ -6,16 +6,14 @@
 #![forbid(unsafe_code)]
 
 mod cases;
+mod table;
 
 use std::hint::black_box;
 
 use haptor_contact::surface::Surface;
 use haptor_contact::{Input, Model, ModelSpec, Output, Params, Patch, Scratch, State, Vec3, step};
 
-use cases::{Case, ROUND, RUBBER};
-
-/// Vertices of a whole surface: what the field loops are meant for.
-const VERTICES: usize = 4096;
+use cases::{Case, ROUND, RUBBER, Shown};
 
 /// Updates of a surface that are counted: every one costs the same but for the branches of its closed forms.
 const UPDATES: usize = 2;
@@ -44,7 +42,8 @@ fn main() {
 
 /// One round to warm up, so that every region is born, and one that counts.
 fn run(case: &Case, lines: &mut String) {
-    let spec = ModelSpec { mass: case.mass, ..ModelSpec::new(case.object, RUBBER, &case.probe) };
+    let green = case.table.then(table::of_a_box);
+    let spec = ModelSpec { mass: case.mass, green, ..ModelSpec::new(case.object, RUBBER, &case.probe) };
     let mut bench = Bench {
         model: Model::new(&spec).expect("valid model"),
         params: Params::new(&case.params).expect("valid parameters"),
@@ -54,8 +53,8 @@ fn run(case: &Case, lines: &mut String) {
     let input = |tick| Input { pose: case.pose(tick), dt: 1.0e-3 };
     let regions = warm_round(&mut bench, &input);
     assert_eq!(regions, case.regions, "{}", case.name);
-    if let Some(body) = case.surface {
-        return update(&bench, case, body, lines);
+    if let Some(shown) = case.surface {
+        return update(&bench, case, shown, lines);
     }
     for tick in ROUND..2 * ROUND {
         measured_tick(&mut bench, black_box(&input(tick)));
@@ -71,11 +70,11 @@ fn warm_round(bench: &mut Bench<'_>, input: &dyn Fn(usize) -> Input) -> u8 {
 }
 
 /// Whole surfaces after the last tick.
-fn update(bench: &Bench<'_>, case: &Case, body: bool, lines: &mut String) {
-    let rest = case.surface_at_rest(VERTICES);
+fn update(bench: &Bench<'_>, case: &Case, shown: Shown, lines: &mut String) {
+    let rest = case.surface_at_rest(shown.vertices);
     let mut moved = vec![Vec3::ZERO; rest.len()];
     let p_wp = case.pose(ROUND - 1).position;
-    let surface = Surface { model: &bench.model, params: &bench.params, patches: bench.state.patches(), p_wp, body };
+    let surface = Surface { model: &bench.model, params: &bench.params, patches: bench.state.patches(), p_wp, body: shown.body };
     for _ in 0..UPDATES {
         measured_surface(&surface, &rest, black_box(&mut moved));
         lines.push_str(&format!("{}\n", case.name));

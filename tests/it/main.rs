@@ -4,6 +4,8 @@ mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
 mod bits;
+mod bounds;
+mod budget;
 mod c_abi;
 mod c_device;
 #[path = "../support/cli.rs"]

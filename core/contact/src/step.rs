@@ -68,8 +68,13 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     flags |= count_left_out(memory, found.left_out);
     // 2 regions
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
-    let (rung, lowered) =
-        budget::choose_rung(model, params, memory, &Counts { near: found.near, contacts: &scratch.contacts, patches, asked });
+    let (rung, lowered) = match params.work {
+        None => budget::unlimited(params, memory),
+        Some(work) => {
+            let counts = Counts { near: found.near, contacts: &scratch.contacts, patches, asked };
+            budget::choose_within(work, model, params, memory, &counts)
+        }
+    };
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     flags |= force::press(model, params, &scratch.contacts, patches);
     // 4 torque

@@ -40,6 +40,7 @@ pub const SESSION: SessionHello = SessionHello {
     max_force_un: u32::MAX,
     max_torque_unm: u32::MAX,
     rt: RT,
+    work: Some(u32::MAX),
 };
 pub const PROGRESS: Progress = Progress {
     tick: u64::MAX,

@@ -43,7 +43,7 @@ FaultCause=Watchdog|OverSpeed|NonFinite|VersionMismatch|Protocol|Hardware\n\
 /// The tool link and the files in canonical text.
 pub const TOOL_TABLE: &str = "\
 FromHost=Hello(SessionHello)|Progress(Progress)|Fault(FaultRecord)|Summary(Summary)\n\
-SessionHello{version:u16,schema:u32,period_us:u32,device_name:[u8;12],device_serial:[u8;12],max_force_un:u32,max_torque_unm:u32,rt:RtReport}\n\
+SessionHello{version:u16,schema:u32,period_us:u32,device_name:[u8;12],device_serial:[u8;12],max_force_un:u32,max_torque_unm:u32,rt:RtReport,work:?u32}\n\
 Progress{tick:u64,regions:u8,force:[f32;3],torque:[f32;3],step_ns:u32,in_time_permille:u16,fault:?HostFault}\n\
 FaultRecord{cause:HostFault,tick:u64,after_ticks:u32}\n\
 Summary{ticks:u64,in_time:u64,late:u64,lost:u64,rejected:u64,out_of_order:u64,recorder_dropped:u64,peak_force:f32,peak_torque:f32,step_ns:Quantiles,wake_ns:Quantiles,round_trip_ns:Quantiles,rt:RtReport,fault:?HostFault}\n\

@@ -11,7 +11,7 @@
 use crate::model::{ObjectShape, ProbeShape};
 
 /// A tick without a part, the ladder's own work included. "no contact, one part" less [`PART`], and "base, work to spare" less "base".
-pub const TICK: u32 = 1_850;
+pub const TICK: u32 = 1_750;
 
 /// A tick whose pose is that of the tick before, or is refused. "base, held still".
 pub const STILL: u32 = 700;

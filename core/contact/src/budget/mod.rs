@@ -112,22 +112,25 @@ fn choose_samples(model: &Model<'_>, params: &Params, memory: &mut Memory, work:
     asked(search.settle(work.saturating_sub(beside), SEARCH_STEPS, |steps| estimate::of_search(model, x_wp, asked(steps))))
 }
 
-/// The rung of this tick, and whether that is less than the parameters ask for.
+/// The rung of a tick without a budget: the highest.
 #[inline]
-pub(crate) fn choose_rung(model: &Model<'_>, params: &Params, memory: &mut Memory, counts: &Counts<'_>) -> (Rung, Flags) {
-    match params.work {
-        Some(work) => choose_within(work, model, params, memory, counts),
-        None => {
-            if memory.account.wanted.is_some() {
-                memory.account = Account::NEW;
-            }
-            (params.rung, Flags::CLEAN)
-        }
+pub(crate) fn unlimited(params: &Params, memory: &mut Memory) -> (Rung, Flags) {
+    if memory.account.wanted.is_some() {
+        memory.account = Account::NEW;
     }
+    (params.rung, Flags::CLEAN)
 }
 
+/// The rung of a tick that may spend `work`, and whether that is less than the parameters ask for.
+#[cold]
 #[inline(never)]
-fn choose_within(work: u32, model: &Model<'_>, params: &Params, memory: &mut Memory, counts: &Counts<'_>) -> (Rung, Flags) {
+pub(crate) fn choose_within(
+    work: u32,
+    model: &Model<'_>,
+    params: &Params,
+    memory: &mut Memory,
+    counts: &Counts<'_>,
+) -> (Rung, Flags) {
     let (wanted, patches) = (params.rung, counts.patches.len());
     let contacts = estimate::of_contacts(model, params, counts);
     let cost = |steps: u8| contacts.saturating_add(estimate::of_grip(model, params, wanted.below(steps), patches));

@@ -86,7 +86,7 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(patch, bristles);
     }
-    patch.grid.fit(layout, hold.radius, &patch.grip, bristles);
+    patch.grid.fit(layout, hold, &patch.grip, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
     grid::thin(layout, &rings, bristles, kept);

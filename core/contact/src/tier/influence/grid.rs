@@ -6,7 +6,7 @@
 
 use glam::Vec2;
 
-use crate::math::{PI, clamp, max, min, sqrt};
+use crate::math::{PI, clamp, max, min, root, sqrt};
 use crate::patch::{Grip, Shift};
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::{Stored, Trace};
@@ -103,16 +103,23 @@ fn centre(layout: &Layout, width: f32, k: usize) -> Vec2 {
     Vec2::new(place(layout.side, k % layout.side), place(layout.side, k / layout.side)) * width
 }
 
-/// Spreads a grip over the cells in contact: the force evenly, the torque as a hoop force that grows with the radius.
+/// Spreads a grip over the cells in contact by the load of a round contact, force and hoop force alike: as a contact in full slip holds it, so that no
+/// cap cuts what was held.
 fn seed(layout: &Layout, grid: &Grid, held: &Grip, cells: &mut [Bristle]) {
     if held.force == Vec2::ZERO && held.torque == 0.0 {
         return;
     }
-    let inside = |k: &usize| centre(layout, grid.width, *k).length_squared() < grid.radius * grid.radius;
-    let count = (0..layout.slots()).filter(inside).count() as f32;
-    let arms: f32 = (0..layout.slots()).filter(inside).map(|k| centre(layout, grid.width, k).length_squared()).sum();
-    for (k, cell) in cells.iter_mut().enumerate().take(layout.slots()).filter(|(k, _)| inside(k)) {
-        cell.force = held.force / count + centre(layout, grid.width, k).perp() * (held.torque / arms);
+    let load = |arm: Vec2| root(max(1.0 - arm.length_squared() / (grid.radius * grid.radius), 0.0));
+    let (mut loads, mut arms) = (0.0, 0.0);
+    for arm in (0..layout.slots()).map(|k| centre(layout, grid.width, k)) {
+        loads += load(arm);
+        arms += load(arm) * root(arm.length_squared());
+    }
+    for (k, cell) in cells.iter_mut().enumerate().take(layout.slots()) {
+        let arm = centre(layout, grid.width, k);
+        // no cell is centred on the patch: sides are even
+        let hoop = arm.perp() * (held.torque / (arms * root(arm.length_squared())));
+        cell.force = (held.force / loads + hoop) * load(arm);
     }
 }
 
