@@ -132,6 +132,12 @@ impl Device {
         self.logic.mode()
     }
 
+    /// Time between two reports, as the host asked for \[us\].
+    #[must_use]
+    pub const fn period_us(&self) -> u32 {
+        self.logic.period_us()
+    }
+
     /// The latched fault.
     #[must_use]
     pub const fn fault(&self) -> Option<DeviceFault> {

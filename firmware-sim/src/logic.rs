@@ -169,6 +169,12 @@ impl Logic {
         self.mode
     }
 
+    /// Time between two reports \[us\].
+    #[must_use]
+    pub const fn period_us(&self) -> u32 {
+        self.period_us
+    }
+
     /// The latched fault.
     #[must_use]
     pub const fn fault(&self) -> Option<DeviceFault> {

@@ -181,7 +181,8 @@ impl Host {
 
 #[test]
 fn hosts_come_and_go_over_a_pty_and_over_tcp() {
-    for place in ["pty", "tcp:127.0.0.1:0"] {
+    // a terminal keeps what the host before left unread, and that may begin within a frame; a connection begins with a frame
+    for (place, cut) in [("pty", 1), ("tcp:127.0.0.1:0", 0)] {
         let sim = Sim::start(&["--serve", place, "--preset", "sigma7", "--serial", "SN42"]);
         for visit in 0..3 {
             let mut host = sim.connect();
@@ -190,7 +191,8 @@ fn hosts_come_and_go_over_a_pty_and_over_tcp() {
             assert!(hello.serial_chars().eq("SN42".chars()), "{place}");
             let last = host.run_until(|pose| pose.mode == Mode::Force && pose.echo >= 200);
             assert_eq!(last.flags, 0, "{place}, visit {visit}");
-            assert_eq!(host.decoder.counts().rejected(), 0, "{place}, visit {visit}");
+            let rejected = host.decoder.counts().rejected();
+            assert!(rejected <= cut, "{place}, visit {visit}: {rejected} frames rejected");
         }
     }
 }

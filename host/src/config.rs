@@ -7,8 +7,9 @@ use clap::{Parser, ValueEnum};
 use crate::error::HostError;
 use crate::link::Address;
 use crate::rt::pace::Follow;
-use crate::rt::policy::RtPolicy;
-use crate::rt::stale::{FADE_TICKS, HOLD_TICKS, StaleRule};
+use crate::rt::policy::{Right, RtPolicy};
+use crate::rt::scale::ticks_at;
+use crate::rt::stale::StaleRule;
 use crate::viewer::listen::ViewerAddress;
 use crate::work::Budget;
 use haptor_wire::viewer::DEFAULT_ADDRESS;
@@ -19,7 +20,7 @@ pub const RATE_MIN_HZ: u32 = 100;
 /// Fastest rate \[Hz\]: the micro-frames of high-speed USB.
 pub const RATE_MAX_HZ: u32 = 8000;
 
-/// Longest hold and fade \[ticks\]: a tenth of a second at the default rate, after which a hand feels a wall that is not there.
+/// Longest hold and fade \[ticks\] at the default rate ([`crate::rt::scale`]): a tenth of a second, after which a hand feels a wall that is not there.
 pub const STALE_MAX_TICKS: u32 = 100;
 
 /// Longest session \[s\]: a month.
@@ -44,24 +45,30 @@ pub struct Args {
     /// CPU for the real-time thread; default: the last one it may use, if it is granted the real-time class
     #[arg(long, value_name = "N")]
     pub cpu: Option<usize>,
+    /// Do not ask for this right, to measure what it buys; may be repeated
+    #[arg(long, value_enum, value_name = "RIGHT")]
+    pub without: Vec<RightArg>,
     /// Length of the session; default: until Ctrl-C
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Where to record the session
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Where to write the last 1000 ticks before a fault; default: the recording's name with .blackbox
+    /// Where to write the last second before a fault, 1000 ticks at least; default: the recording's name with .blackbox
     #[arg(long, value_name = "FILE")]
     pub blackbox: Option<PathBuf>,
+    /// Where to write every duration of the session when it ends: wake-up, step and round trip as histograms (CSV: what,upto_ns,count)
+    #[arg(long, value_name = "FILE")]
+    pub times: Option<PathBuf>,
     /// What goes to standard output: one table at the end, or frames for a program
     #[arg(long, value_enum, default_value_t = StatusFormat::Text)]
     pub status: StatusFormat,
-    /// Ticks without a pose through which the last wrench is held
-    #[arg(long, value_name = "TICKS", default_value_t = HOLD_TICKS)]
-    pub hold: u32,
-    /// Ticks over which it then fades to zero and a fault latches
-    #[arg(long, value_name = "TICKS", default_value_t = FADE_TICKS)]
-    pub fade: u32,
+    /// Ticks without a pose through which the last wrench is held; default: 4, above 1 kHz as many as make 4 ms
+    #[arg(long, value_name = "TICKS")]
+    pub hold: Option<u32>,
+    /// Ticks over which it then fades to zero and a fault latches; default: 16, above 1 kHz as many as make 16 ms
+    #[arg(long, value_name = "TICKS")]
+    pub fade: Option<u32>,
     /// End when standard input is closed, as after Ctrl-C: for a program that starts this one and may die
     #[arg(long)]
     pub until_stdin_closes: bool,
@@ -96,6 +103,30 @@ pub enum Rt {
     Ignore,
 }
 
+/// `--without`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RightArg {
+    /// The real-time class
+    Fifo,
+    /// Locked memory
+    Lock,
+    /// A CPU of its own
+    Pin,
+    /// No deep CPU sleep
+    Awake,
+}
+
+impl From<RightArg> for Right {
+    fn from(right: RightArg) -> Self {
+        match right {
+            RightArg::Fifo => Self::Fifo,
+            RightArg::Lock => Self::Lock,
+            RightArg::Pin => Self::Pin,
+            RightArg::Awake => Self::Awake,
+        }
+    }
+}
+
 /// `--status`.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusFormat {
@@ -127,12 +158,16 @@ pub struct Config {
     pub rt: RtPolicy,
     /// CPU asked for.
     pub cpu: Option<usize>,
+    /// What is not asked for.
+    pub without: Vec<Right>,
     /// Ticks of the session; `None` = until stopped.
     pub ticks: Option<u64>,
     /// Recording.
     pub record: Option<PathBuf>,
     /// Black box, when there is anywhere to write it.
     pub black_box: Option<PathBuf>,
+    /// Histograms.
+    pub times: Option<PathBuf>,
     /// Standard output.
     pub status: StatusFormat,
     /// What ticks follow.
@@ -161,6 +196,7 @@ impl Config {
             name.push(".blackbox");
             PathBuf::from(name)
         };
+        let usual = StaleRule::at(args.rate);
         let default_pace = if matches!(args.device, Address::Usb(_)) { PaceArg::Device } else { PaceArg::Clock };
         Ok(Self {
             black_box: args.blackbox.or_else(|| args.record.as_ref().map(beside)),
@@ -174,12 +210,14 @@ impl Config {
                 PaceArg::Device => Follow::Device,
             },
             ticks: args.seconds.map(|seconds| (seconds * f64::from(args.rate)).ceil() as u64),
-            stale: StaleRule { hold: args.hold, fade: args.fade },
+            stale: StaleRule { hold: args.hold.unwrap_or(usual.hold), fade: args.fade.unwrap_or(usual.fade), ..usual },
             until_stdin_closes: args.until_stdin_closes,
             model: args.model,
             device: args.device,
             rate_hz: args.rate,
             cpu: args.cpu,
+            without: args.without.into_iter().map(Right::from).collect(),
+            times: args.times,
             record: args.record,
             status: args.status,
             viewer: args.viewer,
@@ -199,8 +237,8 @@ fn check(args: &Args) -> Result<(), HostError> {
         return Err(out_of_range("--seconds", seconds.to_string(), "above 0 to 2.7e6 s"));
     }
     for (name, ticks) in [("--hold", args.hold), ("--fade", args.fade)] {
-        if !(1..=STALE_MAX_TICKS).contains(&ticks) {
-            return Err(out_of_range(name, ticks.to_string(), "1 to 100 ticks"));
+        if ticks.is_some_and(|ticks| !(1..=ticks_at(args.rate, STALE_MAX_TICKS)).contains(&ticks)) {
+            return Err(out_of_range(name, ticks.unwrap_or(0).to_string(), "1 to 100 ticks, above 1 kHz as many as make 100 ms"));
         }
     }
     Ok(())

@@ -47,6 +47,14 @@ pub enum HostError {
         /// What is wrong with it.
         reason: SceneError,
     },
+    /// A recording that cannot be run again.
+    #[error("{path}: {reason}; record it anew (`haptor record`)", path = path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The device could not be opened.
     #[error("cannot open {device}: {reason}")]
     Open {
@@ -78,6 +86,6 @@ impl HostError {
     /// True when the command line or a file it names is at fault, false when the machine or the device is.
     #[must_use]
     pub const fn is_bad_input(&self) -> bool {
-        matches!(self, Self::Argument { .. } | Self::Scene { .. } | Self::File { .. })
+        matches!(self, Self::Argument { .. } | Self::Scene { .. } | Self::File { .. } | Self::Recording { .. })
     }
 }

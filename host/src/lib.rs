@@ -12,14 +12,16 @@
 //! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
 //! | [`viewer`] | programs that look on and may steer: the server of the viewer link |
 //! | [`work`] | what a tick may spend on this machine |
+//! | [`measure`] | what a tick costs on this machine: recorded ticks in a loop under the policy of the real-time thread |
 //! | [`error`] | what can go wrong outside the tick |
 //!
-//! The binary `haptor-host` is arguments in, exit code out. Other programs of this project start it and listen to its status; they do
+//! The binaries `haptor-host` (sessions) and `haptor-measure` (what a tick costs) are arguments in, exit code out. Other programs of this project start it and listen to its status; they do
 //! not link this crate, tests do.
 
 pub mod config;
 pub mod error;
 pub mod link;
+pub mod measure;
 pub mod recorder;
 pub mod reopen;
 pub mod rt;

@@ -10,6 +10,7 @@
 
 use std::fs;
 use std::io::{Read, Write, stderr, stdin};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::{self, Scope, ScopedJoinHandle};
@@ -53,6 +54,14 @@ impl Outcome {
         let share = if self.summary.ticks == 0 { 0.0 } else { self.summary.in_time as f64 / self.summary.ticks as f64 };
         self.summary.fault.is_none() && self.written.error.is_none() && verdict(share) != Verdict::Refuse
     }
+}
+
+/// What the real-time thread leaves.
+struct Ran {
+    summary: Summary,
+    mismatch: Option<VersionMismatch>,
+    /// Every duration, when asked for.
+    times: Option<String>,
 }
 
 /// Runs a session to its end.
@@ -115,8 +124,8 @@ fn supervise<'scope>(
     stop: &'scope AtomicBool,
 ) -> Result<Outcome, HostError> {
     let (links, opener) = exchange();
-    let (black_box, dumps) = black_box();
-    let (account, readers) = Account::new(black_box);
+    let (black_box, dumps) = black_box(config.rate_hz);
+    let (account, readers) = Account::new(black_box, config.rate_hz);
     let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
     let ((tell_viewers, viewers_end), (ready, is_ready)) = (mpsc::channel(), mpsc::channel());
     let (news, sources) = (readers.news, Sources { records: readers.records, dumps, rest_wanted: readers.rest_wanted });
@@ -138,7 +147,7 @@ fn supervise<'scope>(
     });
     stop.fetch_or(attended.is_err(), Ordering::Relaxed);
 
-    let (summary, mismatch) = join("real-time", real_time)??;
+    let Ran { summary, mismatch, times } = join("real-time", real_time)??;
     // a thread that is gone has said why; it does not change how the session went
     let _ = tell_recorder.send(summary);
     let _ = tell_status.send(summary);
@@ -148,6 +157,9 @@ fn supervise<'scope>(
     let _ = tell_viewers.send(summary);
     viewers.map_or(Ok(()), |viewers| join("viewers", viewers))?;
     join("status", status)?;
+    if let (Some(path), Some(times)) = (&config.times, times) {
+        write_times(path, &times)?;
+    }
     Ok(Outcome { summary, mismatch, written })
 }
 
@@ -160,10 +172,10 @@ fn real_time(
     desk: Desk,
     ready: &mpsc::Sender<()>,
     stop: &AtomicBool,
-) -> Result<(Summary, Option<VersionMismatch>), HostError> {
+) -> Result<Ran, HostError> {
     let mut engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     let line = Line::new(link, links);
-    let obtained = policy::apply(config.rt, config.cpu)?;
+    let obtained = policy::apply(config.rt, config.cpu, &config.without)?;
     let budget = work::set(config.budget, scene, &mut engine, config.rate_hz, &Monotonic);
     let measured = budget.map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     if let (Some(measured), StatusFormat::Text) = (measured, config.status) {
@@ -181,7 +193,16 @@ fn real_time(
     // a supervisor that is gone will not be served better by stopping here
     let _ = ready.send(());
     control.run(stop);
-    Ok((control.summary(obtained.report), control.mismatch()))
+    let times = config.times.as_ref().map(|_| control.times());
+    Ok(Ran { summary: control.summary(obtained.report), mismatch: control.mismatch(), times })
+}
+
+/// Writes the durations so that the file appears complete or not at all.
+fn write_times(path: &Path, times: &str) -> Result<(), HostError> {
+    let mut part = path.to_owned().into_os_string();
+    part.push(".part");
+    let written = fs::write(&part, times).and_then(|()| fs::rename(&part, path));
+    written.map_err(|reason| HostError::File { doing: "write the times", path: path.to_owned(), reason })
 }
 
 /// Starts a thread of a session.

@@ -101,10 +101,10 @@ fn sizes() {
     one("`Patch`, in `State` once per part", size_of::<Patch>());
     one("`State<1, 0>`: one part, no friction or tiers `point` and `paper`: no samples", size_of::<State<1, 0, 0>>());
     one("`State<1, 64>`: one part, `bristle` 64", size_of::<State<1, 64, 0>>());
-    one("`State<1, 100, 100>`: one part, `influence` 52", size_of::<State<1, 100, 100>>());
+    one("`State<1, 80, 80>`: one part, `influence` 52", size_of::<State<1, 80, 80>>());
     one("`State<10, 0>`: ten parts, no samples", size_of::<State<10, 0, 0>>());
     one("`State<10, 64>`: ten parts, `bristle` 64", size_of::<State<10, 64, 0>>());
-    one("`State<10, 100, 100>`: ten parts, `influence` 52", size_of::<State<10, 100, 100>>());
+    one("`State<10, 80, 80>`: ten parts, `influence` 52", size_of::<State<10, 80, 80>>());
     one("`State<16, 64>`: every probe, `bristle` 64", size_of::<State<16, 64, 0>>());
     one("`State<16, 256, 256>`: every probe, every tier, the host's", size_of::<FullState>());
     one("`Scratch<1>`", size_of::<Scratch<1>>());

@@ -45,7 +45,7 @@ use Expected::{End, Fault, Nothing};
 use HostFault::{DeviceOverSpeed, DeviceRestarted, Garbage, LinkLost, NonFinite, Stale};
 
 /// Name in the table, arguments of the simulated device, what must come of it.
-const DRILLS: [(&str, &str, Expected); 19] = [
+const DRILLS: [(&str, &str, Expected); 20] = [
     ("unplugged for 0.3 s", "unplug@1.1:300ms", Fault(&[LinkLost], AT_ONCE)),
     ("device reset: off the bus for 0.3 s, firmware anew", "reboot@1.1:300ms", Fault(&[LinkLost], AT_ONCE)),
     ("firmware anew, the link stays", "restart@1.1", Fault(&[DeviceRestarted], AT_ONCE)),
@@ -62,6 +62,7 @@ const DRILLS: [(&str, &str, Expected); 19] = [
     ("every packet 3 ms late for 50 ms", "delay@1.1:50ms", Nothing { bruised: false }),
     ("position not a number for 50 ms", "nan@1.1:50ms", Fault(&[NonFinite], STALE)),
     ("the same report for 50 ms", "freeze@1.1:50ms", Fault(&[Stale], STALE)),
+    ("the same pose under new numbers for 50 ms", "stuck@1.1:50ms", Fault(&[Stale], STALE)),
     ("over-speed: the handle flies off at 2 m/s", "kick@1.1", Fault(&[DeviceOverSpeed], AT_ONCE)),
     ("firmware anew in another version", "version@1.1", End(&[DeviceRestarted], AT_ONCE)),
     ("a device that renders no torque", "", Nothing { bruised: false }),

@@ -59,7 +59,7 @@ pub fn black_box_of(recording: &Path, fault: &FaultRecord) -> Result<()> {
     ensure!(kept.faults.first() == Some(fault), "the black box is of {:?}", kept.faults);
     let until: Vec<_> = kept.ticks.iter().take_while(|tick| tick.tick <= fault.tick).collect();
     ensure!(until.last().is_some_and(|tick| tick.tick == fault.tick), "the fault's tick is not in the black box");
-    ensure!(until.len() <= BLACKBOX_TICKS, "{} ticks", until.len());
+    ensure!(until.len() <= BLACKBOX_TICKS as usize, "{} ticks", until.len());
     ensure!(until.iter().any(|tick| length(tick.force) > PRESSING), "the press is not in the black box");
     Ok(())
 }

@@ -59,6 +59,14 @@ fn loop_of(line: &str) -> Option<String> {
     is_loop.then(|| body.trim_end_matches('{').trim().replace('|', "\u{a6}"))
 }
 
+/// Loops that are no `for`, whose bound can be read off, and have no word about theirs on the line above.
+fn unbounded(file: &Path) -> Vec<String> {
+    let text = fs::read_to_string(file).unwrap();
+    let code: Vec<&str> = text.split("#[cfg(test)]").next().unwrap_or("").lines().map(str::trim).collect();
+    let begins = |line: &str| loop_of(line).is_some_and(|code| !code.starts_with("for "));
+    code.windows(2).filter(|pair| begins(pair[1]) && !pair[0].starts_with("// bound: ")).map(|pair| pair[1].to_owned()).collect()
+}
+
 /// How many calls of a line drive an iterator.
 fn drivers_of(line: &str) -> usize {
     let after = line.split('.').skip(1);
@@ -99,15 +107,13 @@ fn every_loop_of_the_core_is_in_the_table_of_bounds_and_none_waits_for_convergen
         let mut listed = table.remove(&name).unwrap_or_default();
         for code in lines.iter().filter_map(|line| loop_of(line)) {
             seen += 1;
-            if !code.starts_with("for ") {
-                wrong.push(format!("{name}: {code}: only a `for` has a bound that can be read off"));
-            }
             match listed.iter().position(|row| *row == code) {
                 Some(row) => drop(listed.remove(row)),
                 None => wrong.push(format!("{name}: not in the table: | `{name}` | `{code}` | BOUND | UNIT COST |")),
             }
         }
         wrong.extend(listed.into_iter().map(|code| format!("{name}: in the table, not in the file: {code}")));
+        wrong.extend(unbounded(&file).into_iter().map(|code| format!("{name}: {code}: say on the line above: // bound: ...")));
         let driven: usize = lines.iter().map(|line| drivers_of(line)).sum();
         if calls.get(&name).copied().unwrap_or(0) != driven {
             wrong.push(format!("{name}: calls that drive an iterator: | `{name}` | {driven} |"));

@@ -28,6 +28,7 @@ fn every_command_has_help_with_an_example() {
         &["mesh", "make"],
         &["devices"],
         &["doctor"],
+        &["bench"],
     ];
     for words in commands {
         let output = haptor().args(*words).arg("--help").output().unwrap();

@@ -194,8 +194,8 @@ impl Rig {
             noise: 1,
         }));
         let (links, opener) = exchange();
-        let (writer, dumps) = black_box();
-        let (account, readers) = Account::new(writer);
+        let (writer, dumps) = black_box(RATE_HZ);
+        let (account, readers) = Account::new(writer, RATE_HZ);
         let engine = Scene::new(scene).and_then(|scene| scene.engine()).expect("a good scene");
         let settings = settings(ticks);
         let line = Line::new(wrap(Cable(Arc::clone(&far))), links);
@@ -279,7 +279,7 @@ impl Rig {
 
 /// What every rig's host is told.
 pub fn settings(ticks: Option<u64>) -> Settings {
-    Settings { rate_hz: RATE_HZ, follow: Follow::Clock, ticks, stale: StaleRule::default(), rt: RtReport::default() }
+    Settings { rate_hz: RATE_HZ, follow: Follow::Clock, ticks, stale: StaleRule::at(RATE_HZ), rt: RtReport::default() }
 }
 
 /// Length of a vector.

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use haptor_firmware_sim::preset::TOUCH;
 use haptor_host::link::wrap::{FaultLink, Plan};
 use haptor_host::link::{Link, LinkError};
 use haptor_host::rt::blackbox::BLACKBOX_TICKS;
@@ -11,7 +12,7 @@ use haptor_host::rt::clock::Virtual;
 use haptor_host::rt::flags;
 use haptor_host::rt::stale::{FADE_TICKS, HOLD_TICKS, SMALL_FORCE};
 use haptor_wire::units::NOT_A_NUMBER;
-use haptor_wire::{FromDevice, HostFault, Mode, StreamDecoder, TickRecord, encode_stream, stream_bound};
+use haptor_wire::{FromDevice, HostFault, Mode, PoseReport, Record, StreamDecoder, TickRecord, encode_stream, stream_bound};
 
 use crate::host_rig::{Cable, Rig, length};
 
@@ -140,7 +141,7 @@ fn the_black_box_ends_with_the_fault_s_own_tick() {
     let dump = rig.dumps.take().expect("a dump");
     assert_eq!(dump.fault, rig.faults[0]);
     let kept: Vec<_> = dump.ring.iter().collect();
-    assert!(kept.len() <= BLACKBOX_TICKS);
+    assert!(kept.len() <= BLACKBOX_TICKS as usize);
     assert_eq!(kept.last().map(|t| t.tick), Some(dump.fault.tick));
     assert!(kept.iter().any(|t| length(t.force) > 3.0), "the press is in it");
 }
@@ -177,28 +178,35 @@ fn a_hopeless_line_ends_at_zero_and_does_not_hang() {
     }
 }
 
-/// A cable on which every report's position becomes "not a number" after so many.
-struct Blinded {
+/// A cable on which reports are altered, the n-th of the session by `alter(n, report)`, and which takes nothing any more from `deaf_from` on.
+struct Altered {
     cable: Cable,
     decoder: StreamDecoder<128>,
-    reports_left: u32,
+    reports: u32,
+    alter: fn(u32, &mut PoseReport),
+    deaf_from: u32,
 }
 
-impl Link for Blinded {
+/// A rig on such a cable.
+fn altered(alter: fn(u32, &mut PoseReport), deaf_from: u32) -> Rig {
+    Rig::with_link("press", None, move |cable| {
+        Box::new(Altered { cable, decoder: StreamDecoder::new(), reports: 0, alter, deaf_from })
+    })
+}
+
+impl Link for Altered {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.cable.send(bytes)
+        if self.reports >= self.deaf_from { Err(LinkError::Full) } else { self.cable.send(bytes) }
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
         let mut raw = [0; 256];
         let n = self.cable.receive(&mut raw, wait)?;
-        let (mut length, reports_left) = (0, &mut self.reports_left);
+        let (mut length, alter, reports) = (0, self.alter, &mut self.reports);
         self.decoder.feed(&raw[..n], |mut message: FromDevice| {
             if let FromDevice::Pose(pose) = &mut message {
-                *reports_left = reports_left.saturating_sub(1);
-                if *reports_left == 0 {
-                    pose.position_nm[1] = NOT_A_NUMBER;
-                }
+                alter(*reports, pose);
+                *reports += 1;
             }
             length += encode_stream(&message, &mut into[length..]).expect("room for what fitted before");
         });
@@ -213,13 +221,62 @@ impl Link for Blinded {
 #[test]
 fn poses_that_are_none_count_as_not_come_and_are_named() {
     assert!(stream_bound(FromDevice::MAX_ENCODED) <= 128);
-    let blind = |cable| Blinded { cable, decoder: StreamDecoder::new(), reports_left: 900 };
-    let mut rig = Rig::with_link("press", None, |cable| Box::new(blind(cable)));
+    let blind = |n: u32, pose: &mut PoseReport| {
+        if n >= 900 {
+            pose.position_nm[1] = NOT_A_NUMBER;
+        }
+    };
+    let mut rig = altered(blind, u32::MAX);
     assert!(rig.until(1_500, |rig| !rig.faults.is_empty()));
     assert_eq!((rig.faults[0].cause, rig.faults[0].after_ticks), (HostFault::NonFinite, ZERO_AFTER));
     assert_eq!(length(rig.last().force), 0.0);
     assert!(rig.last().flags & flags::POSE_REFUSED != 0);
     assert!(rig.ticks.iter().all(|t| t.force.iter().all(|x| x.is_finite())));
+}
+
+#[test]
+fn a_device_at_rest_for_a_moment_gets_forces_back_by_the_small_force_rule() {
+    let resting = |n: u32, pose: &mut PoseReport| {
+        if (900..920).contains(&n) {
+            pose.mode = Mode::Idle;
+        }
+    };
+    let mut rig = altered(resting, u32::MAX);
+    assert!(rig.until(950, |rig| rig.ticks.last().is_some_and(|t| length(t.force) > 3.0)), "the hand presses");
+    assert!(rig.until(950, |rig| rig.last().flags & flags::CLOSED != 0));
+    let closed = rig.ticks.len();
+    assert!(rig.until(8_000, |rig| rig.last().flags & flags::CLOSED == 0), "forces never came back");
+    assert!(rig.ticks[closed..rig.ticks.len() - 1].iter().all(|t| length(t.force) == 0.0));
+    assert!(rig.ticks.len() - closed > 40, "the device was back before the hand came out");
+    assert!(length(rig.last().contact_force) < SMALL_FORCE, "opened at {} N", length(rig.last().contact_force));
+    assert!(rig.faults.is_empty(), "{:?}", rig.faults);
+}
+
+#[test]
+fn a_device_that_takes_nothing_is_not_called_a_slow_machine() {
+    let mut rig = altered(|_, _| {}, 900);
+    assert!(rig.until(2_000, |rig| !rig.faults.is_empty()));
+    assert_eq!((rig.faults[0].cause, length(rig.last().force)), (HostFault::LinkLost, 0.0));
+}
+
+/// Another device at the same address: its limits are learned, from rest, and the recording says so before the first tick under them.
+#[test]
+fn a_device_that_comes_back_as_another_is_learned_anew() {
+    let mut rig = pressing();
+    cut(&mut rig);
+    rig.until(5, |_| false);
+    rig.far().device.restart(&TOUCH, "OTHER");
+    rig.reopen();
+    let before = rig.records.len();
+    assert!(rig.until(8_000, |rig| rig.last().flags & flags::CLOSED == 0 && length(rig.last().contact_force) > 4.0));
+    let hello = rig.device.expect("recorded");
+    assert_eq!((hello.max_force_un, hello.max_torque_unm), (3_300_000, 0));
+    let news = &rig.records[before..];
+    let rest = news.iter().position(|record| matches!(record, Record::Rest)).expect("a rest");
+    assert!(news[..rest].iter().any(|record| matches!(record, Record::Device(_))));
+    let after: Vec<_> = news[rest..].iter().filter_map(|r| if let Record::Tick(tick) = r { Some(tick) } else { None }).collect();
+    assert!(after.iter().all(|t| length(t.force) <= 3.3 * 1.0001), "more than it renders");
+    assert!(after.iter().any(|t| length(t.force) > 3.0), "the hand presses again");
 }
 
 /// A cable that takes two periods to send.

@@ -3,6 +3,7 @@
 mod acceptance;
 #[path = "support/alloc.rs"]
 mod alloc;
+mod bench_cli;
 mod bits;
 mod bounds;
 mod budget;
@@ -43,6 +44,7 @@ mod served;
 mod session;
 mod stability;
 mod state_room;
+mod steady_loop;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

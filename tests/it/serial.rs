@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use haptor_host::link::serial::SerialLink;
-use haptor_host::link::{Messages, Received};
+use haptor_host::link::{Messages, Port, Received};
 use haptor_host::rt::flags;
 use haptor_wire::recording::RecordReader;
 use haptor_wire::{
@@ -32,7 +32,7 @@ fn cable() -> (OwnedFd, Messages) {
     grantpt(&device).unwrap();
     unlockpt(&device).unwrap();
     let path = ptsname(&device, Vec::new()).unwrap().into_string().unwrap();
-    let link = SerialLink::open(Path::new(&path)).unwrap();
+    let link = SerialLink::open(&Port::from(path.as_str())).unwrap();
     (device, Messages::new(Box::new(link)))
 }
 

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use haptor_host::link::serial::SerialLink;
-use haptor_host::link::{AnyLink, Messages, Received};
+use haptor_host::link::{AnyLink, Messages, Port, Received};
 use haptor_wire::scene_file::{FILE_MAX, encode_file};
 use haptor_wire::{FaultRecord, FromDevice, FromHost, Summary, ToDevice};
 use haptor_wire::{PoseReport, StreamDecoder, stream_bound};
@@ -74,7 +74,7 @@ impl Served {
 
     /// Opens the port as the host does.
     pub fn connect(&self) -> Peer {
-        Peer(Messages::new(Box::new(SerialLink::open(Path::new(&self.path)).unwrap())))
+        Peer(Messages::new(Box::new(SerialLink::open(&Port::from(self.path.as_str())).unwrap())))
     }
 
     /// What it has said so far.

@@ -20,7 +20,7 @@ use haptor_wire::{
     TickRecord, encode_stream,
 };
 
-use crate::host_rig::{Rig, ball_on_cube, length, settings};
+use crate::host_rig::{RATE_HZ, Rig, ball_on_cube, length, settings};
 
 /// A whole press, twist, slide and lift, and the way home.
 const TICKS: u64 = 4_000;
@@ -157,7 +157,7 @@ fn round_trips_are_measured_for_every_command() {
 fn lonely(capacity: usize) -> (Control<Virtual>, mem::MemLink) {
     let (host, device) = mem::pair(capacity);
     let (links, _) = exchange();
-    let (account, _) = Account::new(black_box().0);
+    let (account, _) = Account::new(black_box(RATE_HZ).0, RATE_HZ);
     let scene: &'static Scene = Box::leak(Box::new(Scene::new(&ball_on_cube()).unwrap()));
     let line = Line::new(Box::new(host), links);
     (Control::new(settings(None), Virtual::default(), line, scene.engine().unwrap(), account, closed_desk()), device)

@@ -29,8 +29,8 @@ fn a_tier_takes_the_room_it_needs_and_no_more() {
     assert_eq!(point, felt::<256, 256>(Tier::Point, 64));
     assert_eq!(felt::<0, 0>(Tier::Paper, 64), felt::<256, 256>(Tier::Paper, 64));
     assert_eq!(felt::<64, 0>(Tier::Bristle, 64), felt::<256, 256>(Tier::Bristle, 64));
-    assert_eq!(felt::<100, 100>(Tier::Influence, 52), felt::<256, 256>(Tier::Influence, 52));
-    assert_eq!([point.1, felt::<64, 0>(Tier::Bristle, 64).1, felt::<100, 100>(Tier::Influence, 52).1], [Flags::CLEAN; 3]);
+    assert_eq!(felt::<80, 80>(Tier::Influence, 52), felt::<256, 256>(Tier::Influence, 52));
+    assert_eq!([point.1, felt::<64, 0>(Tier::Bristle, 64).1, felt::<80, 80>(Tier::Influence, 52).1], [Flags::CLEAN; 3]);
 }
 
 #[test]

@@ -64,7 +64,7 @@ impl Served {
         let recorder = recorder.with_figures(figures.clone());
         let (copies, records) = RingBuffer::new(1 << 16);
         rig.copies = Some(copies);
-        let sources = Sources { records, dumps: black_box().1, rest_wanted: rig.rest_wanted() };
+        let sources = Sources { records, dumps: black_box(RATE_HZ).1, rest_wanted: rig.rest_wanted() };
         let ((jobs, to_do), (send_made, made)) = (mpsc::channel(), mpsc::channel());
         let workshop = Workshop::new(Scene::new(&ball_on_cube()).expect("a good scene"), send_made);
         let server = Server::new(Parts {

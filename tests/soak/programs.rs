@@ -72,10 +72,8 @@ impl Programs {
         fs::write(&model, &file[..n])?;
         let mut command = Command::new(program("haptor-host")?);
         command.arg(model).args(["--device", &format!("serial:{}", port.display()), "--rt", "ignore", "--status", "frames"]);
-        // patient, so that forces flow between faults on a busy machine too; the recorder works, its file takes no room
-        command
-            .args(["--pace", "device", "--hold", "100", "--fade", "100", "--record", "/dev/null", "--blackbox"])
-            .arg(self.folder.join("blackbox"));
+        // the recorder works, its file takes no room
+        command.args(["--pace", "device", "--record", "/dev/null", "--blackbox"]).arg(self.folder.join("blackbox"));
         let mut host = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn()?;
         let said = host.stdout.take().ok_or("a pipe")?;
         self.said_by_host = Some(std::thread::spawn(move || listen(said)));

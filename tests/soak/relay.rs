@@ -90,9 +90,17 @@ pub struct Reports {
 
 impl Reports {
     fn delivered(&mut self, frame: &[u8]) {
-        let Some(FromDevice::Pose(pose)) = read_frame(frame) else { return };
-        match self.tracker.judge(pose.seq) {
+        let pose = match read_frame(frame) {
+            Some(FromDevice::Pose(pose)) => pose,
+            Some(FromDevice::Hello(_)) => return self.tracker.forget_time(),
+            Some(FromDevice::Fault(_)) | None => return,
+        };
+        match self.tracker.judge(pose.seq, pose.t_us) {
             Order::New { lost } => self.lost += u64::from(lost),
+            Order::Stuck { lost } => {
+                self.lost += u64::from(lost);
+                self.out_of_order += 1;
+            }
             Order::Old => self.out_of_order += 1,
             Order::Restarted => self.restarts += 1,
         }

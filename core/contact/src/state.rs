@@ -16,7 +16,7 @@ use crate::wrench::Wrench;
 /// Memory of a session: patches with their stick, samples, the guard's last wrench, counters.
 ///
 /// `PATCHES` bounds the parts in contact at once (16 covers every probe), `SAMPLES` the bristles or cells of one patch: none for the tiers `point` and `paper`, 16 to 256 for `bristle`, at least
-/// 100 (52 cells) or 196 (112 cells) for `influence` and `green`. `TRACES` is what those two remember beside the samples' forces: as many as samples, or none for the other tiers. A tier
+/// 80 (52 cells) or 156 (112 cells) for `influence` and `green`. `TRACES` is what those two remember beside the samples' forces: as many as samples, or none for the other tiers. A tier
 /// that finds too little room is lowered, and the report says so.
 #[derive(Clone, Debug)]
 pub struct State<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize = 0> {

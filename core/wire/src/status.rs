@@ -97,7 +97,7 @@ impl FaultRecord {
 /// Why the host took the wrench to zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum HostFault {
-    /// The link closed or reported an error.
+    /// The link closed, reported an error, or took nothing for [`Overrun`](Self::Overrun)'s time.
     LinkLost,
     /// No new pose for longer than the hold.
     Stale,
@@ -105,7 +105,7 @@ pub enum HostFault {
     Garbage,
     /// The device began its counting again within a session.
     DeviceRestarted,
-    /// The device reported a fault that has no name of its own here.
+    /// The device reported a fault that has no name of its own here, or never granted force.
     DeviceFault,
     /// The device's watchdog ran out.
     DeviceWatchdog,

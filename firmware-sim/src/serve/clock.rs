@@ -1,4 +1,4 @@
-//! Turns of equal length, by absolute sleeps.
+//! Turns of a given length, by absolute sleeps.
 
 use std::io;
 
@@ -15,15 +15,14 @@ const CATCH_UP_NS: i64 = 3_000_000;
 pub struct Clock {
     start_ns: i64,
     next_ns: i64,
-    turn_ns: i64,
     turns: u64,
     stood_still: u64,
 }
 
 impl Clock {
-    /// The first turn begins one length from now.
-    pub fn start(turn_us: u32) -> Self {
-        Self { start_ns: now_ns(), next_ns: now_ns(), turn_ns: i64::from(turn_us) * 1000, turns: 0, stood_still: 0 }
+    /// The turn before the first begins now.
+    pub fn start() -> Self {
+        Self { start_ns: now_ns(), next_ns: now_ns(), turns: 0, stood_still: 0 }
     }
 
     /// Time since the start \[s\].
@@ -41,9 +40,9 @@ impl Clock {
         self.stood_still
     }
 
-    /// Sleeps until the next turn begins.
-    pub fn wait(&mut self) -> io::Result<()> {
-        self.next_ns += self.turn_ns;
+    /// Sleeps until the next turn begins, one length after the last.
+    pub fn wait(&mut self, turn_us: u32) -> io::Result<()> {
+        self.next_ns += i64::from(turn_us) * 1000;
         self.turns += 1;
         let now = now_ns();
         if now - self.next_ns > CATCH_UP_NS {

@@ -34,6 +34,8 @@ pub enum Kind {
     Nan,
     /// The same report over and over.
     Freeze,
+    /// The sensors are read no more: the same pose of the same time under numbers that go on.
+    Stuck,
     /// The firmware starts anew as another version.
     Version,
     /// USB: the endpoints halt, again whenever they are cleared.
@@ -46,7 +48,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every drill by its name; whether it lasts.
-    const ALL: [(&str, Self, bool); 16] = [
+    const ALL: [(&str, Self, bool); 17] = [
         ("garbage", Self::Garbage, true),
         ("stall", Self::Stall, true),
         ("die", Self::Die, false),
@@ -59,6 +61,7 @@ impl Kind {
         ("drop", Self::Drop, true),
         ("nan", Self::Nan, true),
         ("freeze", Self::Freeze, true),
+        ("stuck", Self::Stuck, true),
         ("version", Self::Version, false),
         ("halt", Self::Halt, true),
         ("unplug", Self::Unplug, true),
@@ -147,6 +150,8 @@ pub struct Orders {
     pub nan: bool,
     /// Report the same.
     pub freeze: bool,
+    /// Report the same pose under new numbers.
+    pub stuck: bool,
     /// Tell another version from now on.
     pub version: bool,
     /// Halt the endpoints.
@@ -179,6 +184,7 @@ pub fn orders(drills: &[Drill], now_us: u64, tick_us: u64) -> Orders {
             Kind::Drop => orders.drop = true,
             Kind::Nan => orders.nan = true,
             Kind::Freeze => orders.freeze = true,
+            Kind::Stuck => orders.stuck = true,
             Kind::Version => (orders.version, orders.restart) = (true, true),
             Kind::Halt => orders.halt = true,
             Kind::Unplug => orders.unplug = true,

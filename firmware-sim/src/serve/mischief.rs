@@ -36,7 +36,7 @@ impl Mischief {
     pub fn arrive(&mut self, orders: &Orders) -> Vec<Vec<u8>> {
         self.turn += 1;
         self.other_version |= orders.version;
-        if !orders.freeze {
+        if !orders.freeze && !orders.stuck {
             self.frozen = None;
         }
         let due = self.late.iter().take_while(|(turn, _)| !orders.delay || *turn <= self.turn).count();
@@ -63,8 +63,15 @@ impl Mischief {
                 if orders.nan {
                     pose.position_nm[1] = NOT_A_NUMBER;
                 }
-                if orders.freeze {
-                    pose = *self.frozen.get_or_insert(pose);
+                if orders.freeze || orders.stuck {
+                    let frozen = *self.frozen.get_or_insert(pose);
+                    let lives = PoseReport {
+                        position_nm: frozen.position_nm,
+                        rotation_q30: frozen.rotation_q30,
+                        t_us: frozen.t_us,
+                        ..pose
+                    };
+                    pose = if orders.freeze { frozen } else { lives };
                 }
                 FromDevice::Pose(pose)
             }
@@ -141,13 +148,20 @@ mod tests {
     fn messages_are_altered_as_the_drill_says() {
         let pose = |seq| {
             let (position_nm, rotation_q30, mode) = ([seq as i32; 3], [1 << 30, 0, 0, 0], haptor_wire::Mode::Force);
-            PoseReport { seq, t_us: 0, position_nm, rotation_q30, buttons: 0, mode, flags: 0, echo: 0 }
+            PoseReport { seq, t_us: 1000 * seq, position_nm, rotation_q30, buttons: 0, mode, flags: 0, echo: 0 }
         };
         let mut mischief = Mischief::new(1);
         let freeze = Orders { freeze: true, ..Orders::default() };
         for (seq, orders, expected) in [(1, freeze, 1), (2, freeze, 1), (3, Orders::default(), 3), (4, freeze, 4)] {
             mischief.arrive(&orders);
             assert_eq!(mischief.alter(FromDevice::Pose(pose(seq)), &orders), FromDevice::Pose(pose(expected)));
+        }
+        let stuck = Orders { stuck: true, ..Orders::default() };
+        mischief.arrive(&Orders::default());
+        for (seq, expected) in [(5, 5), (6, 5)] {
+            mischief.arrive(&stuck);
+            let expected = PoseReport { seq, ..pose(expected) };
+            assert_eq!(mischief.alter(FromDevice::Pose(pose(seq)), &stuck), FromDevice::Pose(expected));
         }
         let nan = Orders { nan: true, ..Orders::default() };
         let FromDevice::Pose(none) = mischief.alter(FromDevice::Pose(pose(1)), &nan) else { panic!("a pose stays one") };

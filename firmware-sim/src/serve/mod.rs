@@ -1,4 +1,4 @@
-//! The real-time loop: once a millisecond read, step, write.
+//! The real-time loop: read, step, write, once a millisecond, or as often as the host wants reports.
 
 pub mod args;
 mod clock;
@@ -24,7 +24,7 @@ use drill::{Orders, orders};
 use link::Link;
 use mischief::Mischief;
 
-/// Length of a turn of the loop [us].
+/// Longest turn of the loop [us]: what USB polls at full speed, and what most hosts ask for.
 const TURN_US: u32 = 1_000;
 
 /// The nice value of programs that go before all others of the ordinary kind.
@@ -48,9 +48,9 @@ pub fn run(args: &Args) -> Result<()> {
         watch_stdin(Arc::clone(&stop));
     }
     let in_time = |clock: &Clock| args.seconds.is_none_or(|seconds| clock.elapsed_s() < seconds);
-    let mut clock = Clock::start(TURN_US);
+    let mut clock = Clock::start();
     while !stop.load(Ordering::Relaxed) && in_time(&clock) {
-        clock.wait().context("cannot sleep")?;
+        clock.wait(server.turn_us()).context("cannot sleep")?;
         if !server.turn()? {
             break;
         }
@@ -155,7 +155,7 @@ impl<'a> Server<'a> {
         self.cable(orders)?;
         let come = self.receive(orders)?;
         self.tx.clear();
-        self.device.step(TURN_US, &self.rx[..come], &mut self.tx);
+        self.device.step(self.turn_us(), &self.rx[..come], &mut self.tx);
         self.send(orders);
         Ok(true)
     }
@@ -179,7 +179,13 @@ impl<'a> Server<'a> {
         Ok(())
     }
 
+    /// Length of a turn [us]: reports that the host wants more often than once a [`TURN_US`] leave one by one.
+    fn turn_us(&self) -> u32 {
+        TURN_US.min(self.device.period_us())
+    }
+
     fn orders(&mut self) -> Orders {
+        let turn_us = u64::from(self.turn_us());
         match &mut self.armed_us {
             None => {
                 if self.device.mode() == Mode::Force {
@@ -188,8 +194,8 @@ impl<'a> Server<'a> {
                 Orders::default()
             }
             Some(armed_us) => {
-                *armed_us += u64::from(TURN_US);
-                orders(&self.args.faults, *armed_us, u64::from(TURN_US))
+                *armed_us += turn_us;
+                orders(&self.args.faults, *armed_us, turn_us)
             }
         }
     }

@@ -88,7 +88,7 @@ impl fmt::Display for Address {
 pub fn open(address: &Address) -> Result<AnyLink, HostError> {
     let failed = |reason: std::io::Error| HostError::Open { device: address.to_string(), reason };
     match address {
-        Address::Serial(port) => Ok(Box::new(port.path().and_then(|path| SerialLink::open(&path)).map_err(failed)?)),
+        Address::Serial(port) => Ok(Box::new(SerialLink::open(port).map_err(failed)?)),
         Address::Tcp(to) => Ok(Box::new(TcpLink::connect(*to).map_err(failed)?)),
         #[cfg(feature = "usb")]
         Address::Usb(usb) => Ok(Box::new(super::usb::UsbLink::open(usb.serial.as_deref(), usb.bulk).map_err(failed)?)),

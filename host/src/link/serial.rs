@@ -13,7 +13,7 @@ use std::time::Duration;
 use rustix::fs::{Mode, OFlags};
 use serialport::TTYPort;
 
-use super::port::explain;
+use super::port::{Port, explain};
 use super::{Link, LinkError, low_latency, poll};
 
 /// Bits a second. 1,000 reports and commands of some 60 bytes a second need 0.6 Mbit/s each way; this is what common USB-serial
@@ -36,12 +36,17 @@ pub struct SerialLink {
 }
 
 impl SerialLink {
-    /// Opens, locks and configures a port: raw, 8 data bits, no parity, one stop bit, no flow control, nothing held back where the
+    /// Opens, locks and configures a port, by its path or by the number that it has now: raw, 8 data bits, no parity, one stop bit, no flow control, nothing held back where the
     /// driver lets that be asked for.
     ///
     /// # Errors
     /// In words, with what to do: no such port, no right to it, in use by another program, no serial port at all.
-    pub fn open(path: &Path) -> io::Result<Self> {
+    pub fn open(port: &Port) -> io::Result<Self> {
+        // named as it was asked for: at the next opening a number is looked up again, wherever its port is by then
+        Self::open_path(&port.path()?, format!("serial:{port}"))
+    }
+
+    fn open_path(path: &Path, name: String) -> io::Result<Self> {
         // before the lock: once it is exclusive nobody but root can open it again
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let bytes = rustix::fs::open(path, flags, Mode::empty()).map_err(|errno| explain(path, &errno.into()))?;
@@ -54,7 +59,7 @@ impl SerialLink {
             shorten_latency_timer(Path::new(SYSFS), path);
         }
         rustix::termios::tcflush(&bytes, rustix::termios::QueueSelector::IOFlush)?;
-        Ok(Self { bytes, _port: port, name: format!("serial:{}", path.display()) })
+        Ok(Self { bytes, _port: port, name })
     }
 }
 
@@ -94,6 +99,7 @@ impl Link for SerialLink {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::Address;
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
     /// The controlling end of a pseudo-terminal and a link on the other.
@@ -102,7 +108,7 @@ mod tests {
         grantpt(&master).unwrap();
         unlockpt(&master).unwrap();
         let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
-        let link = SerialLink::open(Path::new(&name)).unwrap();
+        let link = SerialLink::open(&Port::Path(name.clone().into())).unwrap();
         (master, link)
     }
 
@@ -150,14 +156,25 @@ mod tests {
     fn an_open_port_is_locked() {
         let (master, _link) = pty();
         let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
-        let text = SerialLink::open(Path::new(&name)).unwrap_err().to_string();
+        let text = SerialLink::open(&Port::Path(name.clone().into())).unwrap_err().to_string();
         assert!(text.contains("in use by another program") && text.contains(&name), "{text}");
+    }
+
+    #[test]
+    fn a_link_is_named_as_it_was_asked_for() {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        unlockpt(&master).unwrap();
+        let path = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+        let link = SerialLink::open_path(Path::new(&path), format!("serial:{}", Port::Number("A17".to_owned()))).unwrap();
+        assert_eq!(link.name().parse(), Ok(Address::Serial(Port::Number("A17".to_owned()))));
+        drop(link);
+        assert_eq!(SerialLink::open(&Port::Path(path.clone().into())).unwrap().name(), format!("serial:{path}"));
     }
 
     #[test]
     fn what_is_no_port_is_told_apart() {
         for (path, named) in [("/dev/no-such-port", "haptor devices"), ("/dev/null", "no serial port")] {
-            let text = SerialLink::open(Path::new(path)).unwrap_err().to_string();
+            let text = SerialLink::open(&Port::Path(path.into())).unwrap_err().to_string();
             assert!(text.contains(named), "{path}: {text}");
         }
     }

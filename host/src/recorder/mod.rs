@@ -405,7 +405,7 @@ mod tests {
     impl Desk {
         fn new(recording: Option<PathBuf>, boxed: Option<PathBuf>) -> Self {
             let (records, reader) = rtrb::RingBuffer::new(64);
-            let (box_writer, dumps) = black_box();
+            let (box_writer, dumps) = black_box(1000);
             let rest_wanted = Arc::new(AtomicBool::new(false));
             let (end, ends) = mpsc::channel();
             let (recorder, orders) = Recorder::create(origin(), recording, boxed).unwrap();

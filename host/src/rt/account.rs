@@ -14,9 +14,10 @@ use super::budget::Budget;
 use super::faults::Faults;
 use super::histogram::Durations;
 use super::line::Line;
+use super::scale::ticks_at;
 
-/// Records that the recorder may fall behind: four seconds at the default rate, longer than a disk stalls.
-const RECORDS_WAITING: usize = 4096;
+/// Records that the recorder may fall behind, at the default rate ([`super::scale`]): four seconds, longer than a disk stalls.
+const RECORDS_WAITING: u32 = 4096;
 
 /// News that the status thread may fall behind.
 const NEWS_WAITING: usize = 64;
@@ -56,13 +57,13 @@ pub struct Account {
 }
 
 impl Account {
-    /// Empty books and the other ends of their queues.
+    /// Empty books for so many ticks a second, and the other ends of their queues.
     #[must_use]
-    pub fn new(black_box: BlackBox) -> (Self, Readers) {
-        let (records, records_out) = RingBuffer::new(RECORDS_WAITING);
+    pub fn new(black_box: BlackBox, rate_hz: u32) -> (Self, Readers) {
+        let (records, records_out) = RingBuffer::new(ticks_at(rate_hz, RECORDS_WAITING) as usize);
         let (news, news_out) = RingBuffer::new(NEWS_WAITING);
         let account = Self {
-            budget: Budget::default(),
+            budget: Budget::new(rate_hz),
             wake: Durations::new(),
             step: Durations::new(),
             peak_force: 0.0,
@@ -170,6 +171,16 @@ impl Account {
     /// News that find no room are old news to a reader that slow; the summary does not go this way.
     fn tell(&mut self, message: FromHost) {
         let _ = self.news.push(message);
+    }
+
+    /// Every duration of the session, as [`crate::config::Args::times`] wants them. Allocates: for after the last tick.
+    #[must_use]
+    pub fn times(&self, line: &Line) -> String {
+        let all = [("wake_up", &self.wake), ("step", &self.step), ("round_trip", line.trips.durations())];
+        let rows = all.iter().flat_map(|(what, durations)| durations.bins().map(move |bin| (what, bin)));
+        rows.fold("what,upto_ns,count\n".to_owned(), |table, (what, (upto_ns, count))| {
+            table + &format!("{what},{upto_ns},{count}\n")
+        })
     }
 
     /// The session in figures.

@@ -1,4 +1,4 @@
-//! The last thousand ticks, kept in memory that is there from the start and handed over with any fault.
+//! The last second of ticks, kept in memory that is there from the start and handed over with any fault.
 //!
 //! Two buffers: one records while the other is being written to a file by an ordinary thread and comes back. Handing over moves a
 //! pointer. While both are away nothing is lost but the hand-over itself, and that is counted.
@@ -6,8 +6,10 @@
 use haptor_wire::{FaultRecord, TickRecord};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// Ticks kept: a second at the default rate, ten times the longest fault drill.
-pub const BLACKBOX_TICKS: usize = 1000;
+use super::scale::ticks_at;
+
+/// Ticks kept at the default rate ([`super::scale`]): a second, ten times the longest fault drill.
+pub const BLACKBOX_TICKS: u32 = 1000;
 
 /// Buffers going round: one recording, one with the writer.
 const BUFFERS: usize = 2;
@@ -20,20 +22,22 @@ pub struct Ring {
 }
 
 impl Ring {
-    fn new() -> Self {
-        Self { ticks: vec![TickRecord::default(); BLACKBOX_TICKS].into_boxed_slice(), recorded: 0 }
+    fn new(rate_hz: u32) -> Self {
+        let ticks = vec![TickRecord::default(); ticks_at(rate_hz, BLACKBOX_TICKS) as usize];
+        Self { ticks: ticks.into_boxed_slice(), recorded: 0 }
     }
 
     fn push(&mut self, tick: &TickRecord) {
-        self.ticks[self.recorded % BLACKBOX_TICKS] = *tick;
+        let at = self.recorded % self.ticks.len();
+        self.ticks[at] = *tick;
         self.recorded += 1;
     }
 
     /// The ticks, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &TickRecord> {
-        let kept = self.recorded.min(BLACKBOX_TICKS);
+        let kept = self.recorded.min(self.ticks.len());
         let oldest = self.recorded - kept;
-        (oldest..self.recorded).map(|i| &self.ticks[i % BLACKBOX_TICKS])
+        (oldest..self.recorded).map(|i| &self.ticks[i % self.ticks.len()])
     }
 }
 
@@ -62,15 +66,15 @@ pub struct BlackBoxReader {
     spare: Producer<Ring>,
 }
 
-/// Both ends, with all their memory.
+/// Both ends for so many ticks a second, with all their memory.
 #[must_use]
-pub fn black_box() -> (BlackBox, BlackBoxReader) {
+pub fn black_box(rate_hz: u32) -> (BlackBox, BlackBoxReader) {
     let (dumps, reader_dumps) = RingBuffer::new(BUFFERS);
     let (mut reader_spare, spare) = RingBuffer::new(BUFFERS);
     for _ in 1..BUFFERS {
-        let _ = reader_spare.push(Ring::new());
+        let _ = reader_spare.push(Ring::new(rate_hz));
     }
-    let writer = BlackBox { ring: Some(Ring::new()), dumps, spare, lost: 0 };
+    let writer = BlackBox { ring: Some(Ring::new(rate_hz)), dumps, spare, lost: 0 };
     (writer, BlackBoxReader { dumps: reader_dumps, spare: reader_spare })
 }
 
@@ -108,7 +112,7 @@ impl BlackBoxReader {
         self.dumps.pop().ok()
     }
 
-    /// Returns a buffer for the next thousand ticks.
+    /// Returns a buffer for the next ticks.
     pub fn give_back(&mut self, mut ring: Ring) {
         ring.recorded = 0;
         // as many places as buffers: there is room
@@ -128,8 +132,8 @@ mod tests {
     }
 
     #[test]
-    fn the_last_thousand_come_oldest_first() {
-        let (mut writer, mut reader) = black_box();
+    fn the_last_second_comes_oldest_first() {
+        let (mut writer, mut reader) = black_box(1000);
         for (from, to, first) in [(0, 10, 0), (0, 1000, 0), (0, 2345, 1345)] {
             record(&mut writer, from..to);
             writer.hand_over(FAULT);
@@ -141,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_writer_that_keeps_both_buffers_costs_hand_overs_and_no_more() {
-        let (mut writer, mut reader) = black_box();
+        let (mut writer, mut reader) = black_box(1000);
         for _ in 0..3 {
             record(&mut writer, 0..5);
             writer.hand_over(FAULT);

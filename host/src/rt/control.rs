@@ -74,6 +74,12 @@ impl<C: Clock> Control<C> {
         self.close(&wrench, &slot);
     }
 
+    /// Every duration of the session as a table; for after the last tick.
+    #[must_use]
+    pub fn times(&self) -> String {
+        self.account.times(&self.line)
+    }
+
     /// The session in figures, so far.
     #[must_use]
     pub fn summary(&self, rt: RtReport) -> Summary {

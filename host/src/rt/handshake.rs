@@ -14,15 +14,18 @@ use haptor_wire::device::{DeviceFault, DeviceHello, FaultCause, HostHello, Mode,
 use haptor_wire::{HostFault, PROTOCOL_VERSION, SCHEMA_HASH, VersionMismatch, check_device_version};
 
 use super::line::Arrivals;
+use super::scale::ticks_at;
+
+// Counts of ticks at the default rate ([`super::scale`]).
 
 /// Ticks between two hellos while nobody answers: a hello takes the device back to idle, so a second must not overtake the answer.
-const HELLO_EVERY: u64 = 100;
+const HELLO_EVERY: u32 = 100;
 
 /// Ticks between two requests for a mode: reports already on their way still show the old one.
-const MODE_EVERY: u64 = 10;
+const MODE_EVERY: u32 = 10;
 
 /// Ticks from a fault to the next attempt, so that a device with a standing fault is not asked a thousand times a second.
-const RECOVER_AFTER: u64 = 100;
+const RECOVER_AFTER: u32 = 100;
 
 /// Ticks without a pose in a session after which the device is greeted anew: it may have forgotten the session.
 const SILENT_AFTER: u32 = 250;
@@ -86,6 +89,12 @@ impl Handshake {
         self.phase == Phase::Run && !self.stopped
     }
 
+    /// True when the device has just reported and did not grant force.
+    #[must_use]
+    pub fn is_refused(&self) -> bool {
+        self.phase == Phase::Arm && self.mode == Mode::Idle && self.silent == 0
+    }
+
     /// The device is to brake from now on.
     pub const fn stop(&mut self) {
         (self.stopped, self.asked_at) = (true, None);
@@ -109,7 +118,7 @@ impl Handshake {
         self.mode
     }
 
-    /// Who the device is, once it has said so.
+    /// Who the device is, by its last answer to a hello of ours.
     #[must_use]
     pub const fn device(&self) -> Option<DeviceHello> {
         self.device
@@ -122,7 +131,7 @@ impl Handshake {
         }
         let fault = if got.lost { Some(HostFault::LinkLost) } else { self.judge(got) };
         if fault.is_some_and(|fault| fault != HostFault::VersionMismatch) {
-            self.enter(Phase::Reset { from: tick + RECOVER_AFTER });
+            self.enter(Phase::Reset { from: tick + self.ticks(RECOVER_AFTER) });
         }
         self.watch_silence(got, tick);
         fault
@@ -130,8 +139,12 @@ impl Handshake {
 
     fn judge(&mut self, got: &Arrivals) -> Option<HostFault> {
         if let Some(hello) = &got.hello {
-            // a report that came with it may be older than it
-            return self.greeted(hello);
+            let greeting = self.phase == Phase::Greet;
+            let fault = self.greeted(hello);
+            // a report that came with the answer may be older than it; a hello that nobody waits for hides nothing
+            if greeting || fault.is_some() {
+                return fault;
+            }
         }
         if let Some(fault) = &got.fault
             && !matches!(self.phase, Phase::Refuse(_))
@@ -145,7 +158,6 @@ impl Handshake {
     }
 
     fn greeted(&mut self, hello: &DeviceHello) -> Option<HostFault> {
-        self.device = Some(*hello);
         match check_device_version(hello.version, hello.schema) {
             Err(mismatch) => {
                 self.enter(Phase::Refuse(mismatch));
@@ -153,6 +165,7 @@ impl Handshake {
             }
             Ok(()) => {
                 if self.phase == Phase::Greet {
+                    self.device = Some(*hello);
                     self.enter(Phase::Arm);
                 }
                 None
@@ -174,7 +187,7 @@ impl Handshake {
             (_, Mode::Brake) if self.stopped => {}
             (Phase::Run | Phase::Arm, Mode::Brake) => return Some(braked_for(pose.flags)),
             (Phase::Run, Mode::Reset) => return Some(HostFault::DeviceRestarted),
-            // somebody rests the device, e.g. a switch on it: ask again, forces come back by the small-force rule
+            // somebody rests the device, e.g. a switch on it: no fault; ask again, forces come back by the small-force rule
             (Phase::Run, Mode::Idle) => self.enter(Phase::Arm),
             _ => {}
         }
@@ -183,7 +196,7 @@ impl Handshake {
 
     fn watch_silence(&mut self, got: &Arrivals, tick: u64) {
         self.silent = if got.pose.is_some() { 0 } else { self.silent.saturating_add(1) };
-        if self.silent >= SILENT_AFTER && matches!(self.phase, Phase::Run | Phase::Arm) {
+        if u64::from(self.silent) >= self.ticks(SILENT_AFTER) && matches!(self.phase, Phase::Run | Phase::Arm) {
             self.enter(Phase::Reset { from: tick });
         }
     }
@@ -209,11 +222,16 @@ impl Handshake {
             Phase::Arm => (ToDevice::SetMode(Mode::Force), MODE_EVERY),
             Phase::Reset { .. } | Phase::Run => return None,
         };
-        if self.asked_at.is_some_and(|at| tick < at + every) {
+        if self.asked_at.is_some_and(|at| tick < at + self.ticks(every)) {
             return None;
         }
         self.asked_at = Some(tick);
         Some(message)
+    }
+
+    /// So many ticks of the default rate, at this one.
+    fn ticks(&self, ticks: u32) -> u64 {
+        ticks_at(1_000_000 / self.period_us, ticks).into()
     }
 
     const fn hello(&self) -> HostHello {
@@ -278,11 +296,11 @@ mod tests {
         assert_eq!(h.ask(0), Some(ToDevice::SetMode(Mode::Reset)));
         assert!(matches!(h.ask(1), Some(ToDevice::Hello(hello)) if hello.period_us == 1000));
         assert_eq!(h.ask(2), None);
-        assert!(matches!(h.ask(1 + HELLO_EVERY), Some(ToDevice::Hello(_))), "nobody answered");
+        assert!(matches!(h.ask(1 + u64::from(HELLO_EVERY)), Some(ToDevice::Hello(_))), "nobody answered");
         assert_eq!(h.observe(&hello(PROTOCOL_VERSION), 102), None);
         assert_eq!(h.ask(102), Some(ToDevice::SetMode(Mode::Idle)));
         h.observe(&pose(Mode::Idle, 0), 103);
-        assert_eq!(h.ask(102 + MODE_EVERY), Some(ToDevice::SetMode(Mode::Force)));
+        assert_eq!(h.ask(102 + u64::from(MODE_EVERY)), Some(ToDevice::SetMode(Mode::Force)));
         h.observe(&pose(Mode::Force, 0), 120);
         assert_eq!((h.is_running(), h.ask(121)), (true, None));
     }
@@ -313,8 +331,8 @@ mod tests {
         for (got, expected) in table {
             let mut h = running();
             assert_eq!(h.observe(&got, 50), Some(expected), "{got:?}");
-            assert_eq!(h.ask(50 + RECOVER_AFTER - 1), None);
-            assert_eq!(h.ask(50 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Reset)));
+            assert_eq!(h.ask(50 + u64::from(RECOVER_AFTER) - 1), None);
+            assert_eq!(h.ask(50 + u64::from(RECOVER_AFTER)), Some(ToDevice::SetMode(Mode::Reset)));
         }
     }
 
@@ -324,7 +342,7 @@ mod tests {
         h.stop();
         assert_eq!((h.is_running(), h.ask(50)), (false, Some(ToDevice::SetMode(Mode::Brake))));
         assert_eq!(
-            (h.ask(51), h.ask(50 + MODE_EVERY)),
+            (h.ask(51), h.ask(50 + u64::from(MODE_EVERY))),
             (None, Some(ToDevice::SetMode(Mode::Brake))),
             "repeated until it is seen"
         );
@@ -332,10 +350,44 @@ mod tests {
         assert_eq!(h.ask(1000), None);
         // a device that lost its power meanwhile is asked again, and not greeted
         assert_eq!(h.observe(&Arrivals { restarted: true, ..pose(Mode::Reset, 0) }, 1001), Some(HostFault::DeviceRestarted));
-        assert_eq!(h.ask(1001 + RECOVER_AFTER), Some(ToDevice::SetMode(Mode::Brake)));
+        assert_eq!(h.ask(1001 + u64::from(RECOVER_AFTER)), Some(ToDevice::SetMode(Mode::Brake)));
         h.rearm(2000);
         assert_eq!(h.ask(2000), Some(ToDevice::SetMode(Mode::Reset)));
         assert!(matches!(h.ask(2001), Some(ToDevice::Hello(_))));
+    }
+
+    #[test]
+    fn a_hello_that_nobody_waits_for_hides_no_fault_and_changes_no_limits() {
+        let stranger = DeviceHello { max_force_un: 1, ..hello(PROTOCOL_VERSION).hello.unwrap() };
+        let fault = DeviceFault { cause: FaultCause::Hardware, seq: 0, detail: 0 };
+        for (got, expected) in [
+            (Arrivals { fault: Some(fault), ..pose(Mode::Force, 0) }, Some(HostFault::DeviceFault)),
+            (pose(Mode::Brake, PoseReport::FLAG_WATCHDOG), Some(HostFault::DeviceWatchdog)),
+            (Arrivals { restarted: true, ..pose(Mode::Force, 0) }, Some(HostFault::DeviceRestarted)),
+            (pose(Mode::Force, 0), None),
+        ] {
+            let mut h = running();
+            let before = h.device();
+            assert_eq!(h.observe(&Arrivals { hello: Some(stranger), ..got }, 50), expected, "{got:?}");
+            assert_eq!((h.device(), h.is_running()), (before, expected.is_none()), "{got:?}");
+        }
+    }
+
+    #[test]
+    fn a_device_refuses_when_it_reports_and_does_not_grant_force() {
+        let mut h = Handshake::new(1000);
+        h.ask(0);
+        h.observe(&hello(PROTOCOL_VERSION), 1);
+        for (got, expected) in [
+            (pose(Mode::Reset, 0), false),
+            (pose(Mode::Idle, 0), true),
+            (Arrivals::default(), false),
+            (pose(Mode::Idle, 0), true),
+            (pose(Mode::Force, 0), false),
+        ] {
+            h.observe(&got, 2);
+            assert_eq!(h.is_refused(), expected, "{got:?}");
+        }
     }
 
     #[test]

@@ -45,6 +45,13 @@ impl Durations {
         self.bins.len()
     }
 
+    /// What was counted: upper edge of each bin \[ns\], and how many, in order; empty bins are left out. The last edge is no more than the
+    /// largest seen.
+    pub fn bins(&self) -> impl Iterator<Item = (u64, u64)> {
+        let bins = self.bins.iter_recorded();
+        bins.map(|bin| (bin.value_iterated_to().min(self.max_ns), bin.count_since_last_iteration()))
+    }
+
     /// Quantiles \[ns\]: upper edges of bins, but no more than the largest seen, which is exact. All 0 when nothing was counted.
     #[must_use]
     pub fn quantiles(&self) -> Quantiles {
@@ -72,6 +79,9 @@ mod tests {
             assert!((0.0..=0.01).contains(&error), "{got} for {exact}");
         }
         assert_eq!((q.max, durations.count()), (10_000_000, 10_000));
+        let bins: Vec<_> = durations.bins().collect();
+        assert_eq!((bins.iter().map(|bin| bin.1).sum::<u64>(), bins.last().unwrap().0), (10_000, 10_000_000));
+        assert!(bins.windows(2).all(|pair| pair[0].0 < pair[1].0));
     }
 
     #[test]

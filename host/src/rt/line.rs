@@ -67,7 +67,7 @@ pub struct Arrivals {
 pub struct LineCounts {
     /// Reports that never came, by gaps in their numbers.
     pub lost: u64,
-    /// Reports older than one already used, or repeated.
+    /// Reports older than one already used, or repeated, or with a pose that was there before.
     pub out_of_order: u64,
     /// Frames dropped on links that are no more.
     rejected_before: u64,
@@ -138,13 +138,20 @@ impl Line {
 
     fn sort(&mut self, message: FromDevice, now_ns: u64, got: &mut Arrivals) {
         match message {
-            FromDevice::Hello(hello) => got.hello = Some(hello),
+            FromDevice::Hello(hello) => {
+                self.tracker.forget_time();
+                got.hello = Some(hello);
+            }
             FromDevice::Fault(fault) => got.fault = Some(fault),
-            FromDevice::Pose(pose) => match self.tracker.judge(pose.seq) {
+            FromDevice::Pose(pose) => match self.tracker.judge(pose.seq, pose.t_us) {
                 Order::New { lost } => {
                     self.counts.lost += u64::from(lost);
                     self.trips.echoed(pose.echo, now_ns);
                     got.pose = Some(pose);
+                }
+                Order::Stuck { lost } => {
+                    self.counts.lost += u64::from(lost);
+                    self.counts.out_of_order += 1;
                 }
                 Order::Old => self.counts.out_of_order += 1,
                 Order::Restarted => {

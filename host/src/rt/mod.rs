@@ -16,7 +16,7 @@
 //! allocator; libusb's own allocations in C on a USB link are outside it ([`crate::link`]).
 //!
 //! A tick cannot fail. What goes wrong becomes a fault: the wrench goes to zero, at once or by the stale rule ([`stale`]), the
-//! cause is latched ([`faults`]) and the last thousand ticks are handed over ([`blackbox`]). The loop goes on: it closes and reopens the
+//! cause is latched ([`faults`]) and the last second of ticks is handed over ([`blackbox`]). The loop goes on: it closes and reopens the
 //! link, resets the device, and lets forces return only from a small one.
 
 pub mod account;
@@ -35,5 +35,6 @@ pub mod pace;
 pub mod parts;
 pub mod policy;
 pub mod roundtrip;
+pub mod scale;
 pub mod stale;
 pub mod tracker;

@@ -1,7 +1,8 @@
 //! When ticks begin and until when their command counts as in time.
 //!
 //! Paced by the **clock**, tick k is due at a fixed time; the thread sleeps until then, and a pose that has not come by half the
-//! period is not waited for. Paced by the **device**, a tick begins when a pose arrives; when none has come for a period and a
+//! period is not waited for. Paced by the **device**, a tick begins when a pose arrives, but not sooner than half a period after the one before: the
+//! core counts in periods, and a device that floods must not keep the thread from sleeping; when none has come for a period and a
 //! half, the tick begins without one. Either way a tick is in time when its command leaves within a period of when it was due.
 
 use super::clock::Clock;
@@ -52,7 +53,7 @@ impl Pace {
         self.tick
     }
 
-    /// Waits for the next tick; paced by the device it begins at once, and [`Self::arrived`] completes its times.
+    /// Waits for the next tick; paced by the device it begins as soon as a pose may count, and [`Self::arrived`] completes its times.
     pub fn begin(&mut self, clock: &impl Clock) -> Slot {
         match self.follow {
             Follow::Clock => {
@@ -61,6 +62,7 @@ impl Pace {
                 Slot { receive_until_ns: slot.deadline_ns - self.period_ns / 2, ..slot }
             }
             Follow::Device => {
+                clock.sleep_until_ns(self.due_ns.saturating_sub(self.period_ns / 2));
                 let receive_until_ns = self.due_ns + self.period_ns / 2;
                 Slot {
                     tick: self.tick,
@@ -132,10 +134,22 @@ mod tests {
         let mut pace = Pace::new(Follow::Device, MS, &clock);
         for tick in 0..3 {
             let slot = pace.begin(&clock);
-            assert_eq!(slot.receive_until_ns, clock.now_ns() + if tick == 0 { MS / 2 } else { 3 * MS / 2 });
-            clock.advance_ns(1_100_000);
+            assert_eq!(slot.receive_until_ns, clock.now_ns() + if tick == 0 { MS / 2 } else { MS });
+            clock.advance_ns(if tick == 0 { 1_100_000 } else { 600_000 });
             let slot = pace.arrived(slot, &clock);
             assert_eq!((slot.tick, slot.deadline_ns), (if tick == 0 { 1 } else { tick + 1 }, clock.now_ns() + MS));
         }
+    }
+
+    #[test]
+    fn a_device_that_floods_gets_no_more_than_two_ticks_a_period() {
+        let clock = Virtual::default();
+        let mut pace = Pace::new(Follow::Device, MS, &clock);
+        for _ in 0..21 {
+            let slot = pace.begin(&clock);
+            // a pose is always there
+            pace.arrived(slot, &clock);
+        }
+        assert_eq!((clock.now_ns(), pace.tick()), (10 * MS, 21));
     }
 }

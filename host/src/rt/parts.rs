@@ -7,6 +7,7 @@ use haptor_wire::{
     FaultRecord, HostFault, PROTOCOL_VERSION, RtReport, SessionHello, TOOL_SCHEMA_HASH, TickRecord, VersionMismatch,
 };
 
+use super::budget::OVERRUN_TICKS;
 use super::clock::Clock;
 use super::control::Control;
 use super::desk::Note;
@@ -67,6 +68,10 @@ pub struct Memory {
     record: TickRecord,
     /// The device was in a mode for it, and the link took the wrench.
     sent: bool,
+    /// Ticks in a row that were done in time but for the link, which did not take the wrench.
+    untaken: u32,
+    /// The device whose limits guard and coupling keep.
+    fitted: Option<DeviceHello>,
 }
 
 impl<C: Clock> Control<C> {
@@ -102,10 +107,17 @@ impl<C: Clock> Control<C> {
             self.trip(cause, 0, slot);
         }
         if self.account.budget().overrun() {
-            self.trip(HostFault::Overrun, 0, slot);
+            // a device that takes nothing is not the machine's fault
+            let deaf = self.memory.untaken >= OVERRUN_TICKS;
+            self.trip(if deaf { HostFault::LinkLost } else { HostFault::Overrun }, 0, slot);
         }
         if self.memory.session.is_none() && slot.tick > self.connect_ticks() {
-            self.trip(stale_cause(got.nonsense, false), 0, slot);
+            let cause = if self.handshake.is_refused() { HostFault::DeviceFault } else { stale_cause(got.nonsense, false) };
+            self.trip(cause, 0, slot);
+        }
+        // a device that renders nothing, for whatever reason, gets its forces back by the small-force rule
+        if self.output.is_open() && !self.handshake.is_running() {
+            self.output.close();
         }
     }
 
@@ -131,15 +143,20 @@ impl<C: Clock> Control<C> {
         self.memory.session.map_or(0, |(first, _)| slot.tick - first)
     }
 
-    /// The first time the device renders, the session begins: guard and coupling learn the device's limits, and the output opens.
+    /// The first time the device renders, the session begins: guard and coupling learn the device's limits, and the output opens. A device that comes back
+    /// as another, or with other limits, is learned anew, from rest, while the output is closed.
     pub(super) fn begin_session(&mut self, slot: &Slot) {
-        if self.memory.session.is_some() || !self.handshake.is_running() {
+        if !self.handshake.is_running() || self.memory.fitted == self.handshake.device() {
             return;
         }
         let Some(device) = self.handshake.device() else { return };
-        self.memory.session = Some((slot.tick, self.clock.now_ns()));
+        self.memory.fitted = Some(device);
         // refused only when the device claims next to no force: then the core's own limits stand and the device clamps
         let _ = self.engine.fit(&device);
+        if self.memory.session.is_some() {
+            return self.rest();
+        }
+        self.memory.session = Some((slot.tick, self.clock.now_ns()));
         self.output.open();
         let hello = self.hello(&device);
         let engine = self.engine.get();
@@ -261,9 +278,10 @@ impl<C: Clock> Control<C> {
 
     fn book(&mut self, wrench: &Wrench<DeviceBase>, slot: &Slot, first: u64, start_ns: u64) {
         let now_ns = self.clock.now_ns();
-        let Memory { record, sent, .. } = &mut self.memory;
-        let asked_to_send = self.handshake.is_running();
-        let in_time = now_ns <= slot.deadline_ns && (*sent || !asked_to_send);
+        let Memory { record, sent, untaken, .. } = &mut self.memory;
+        let (punctual, taken) = (now_ns <= slot.deadline_ns, *sent || !self.handshake.is_running());
+        *untaken = if punctual && !taken { untaken.saturating_add(1) } else { 0 };
+        let in_time = punctual && taken;
         record.tick = slot.tick - first;
         record.t_us = (now_ns - start_ns) / 1000;
         record.force = wrench.force.to_array();

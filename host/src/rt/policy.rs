@@ -36,6 +36,19 @@ pub enum RtPolicy {
     Ignore,
 }
 
+/// What is asked of the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Right {
+    /// The real-time class.
+    Fifo,
+    /// Locked memory.
+    Lock,
+    /// A CPU of its own.
+    Pin,
+    /// No deep CPU sleep.
+    Awake,
+}
+
 /// A right that [`RtPolicy::Enforce`] needs and the system refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("real-time start refused: {what} ({reason}). {remedy} Or run with --rt ignore, without promises about time")]
@@ -62,21 +75,28 @@ pub struct Obtained {
     dma_latency: Option<File>,
 }
 
-/// Applies the policy to the calling thread (and locks the memory of the process). Call it last before the loop: memory that is
-/// mapped later is not locked, because a limit on locked memory would then make other threads' allocations fail.
+/// Applies the policy to the calling thread (and locks the memory of the process), but for what is in `without`. Call it last before
+/// the loop: memory that is mapped later is not locked, because a limit on locked memory would then make other threads' allocations
+/// fail.
 ///
 /// # Errors
 /// Under [`RtPolicy::Enforce`] the first [`MissingRight`]; under [`RtPolicy::Ignore`] none.
-pub fn apply(policy: RtPolicy, cpu: Option<usize>) -> Result<Obtained, MissingRight> {
+pub fn apply(policy: RtPolicy, cpu: Option<usize>, without: &[Right]) -> Result<Obtained, MissingRight> {
     let mut obtained = Obtained::default();
     let report = &mut obtained.report;
     prefault_stack();
-    report.fifo = granted(policy, set_fifo(), || format!("SCHED_FIFO priority {FIFO_PRIORITY}"), FIFO_REMEDY)?;
-    report.locked = granted(policy, rustix::mm::mlockall(MlockAllFlags::CURRENT), || "locked memory".into(), LOCK_REMEDY)?;
-    if let Some(cpu) = cpu.or_else(|| report.fifo.then(last_allowed_cpu).flatten()) {
+    let wanted = |right| !without.contains(&right);
+    if wanted(Right::Fifo) {
+        report.fifo = granted(policy, set_fifo(), || format!("SCHED_FIFO priority {FIFO_PRIORITY}"), FIFO_REMEDY)?;
+    }
+    if wanted(Right::Lock) {
+        report.locked = granted(policy, lock_memory(), || "locked memory".into(), LOCK_REMEDY)?;
+    }
+    let own = cpu.or_else(|| report.fifo.then(last_allowed_cpu).flatten());
+    if let Some(cpu) = own.filter(|_| wanted(Right::Pin)) {
         report.pinned = granted(policy, pin(cpu), || format!("CPU {cpu} for the real-time thread"), PIN_REMEDY)?;
     }
-    obtained.dma_latency = hold_dma_latency();
+    obtained.dma_latency = wanted(Right::Awake).then(hold_dma_latency).flatten();
     report.dma_latency = obtained.dma_latency.is_some();
     Ok(obtained)
 }
@@ -107,6 +127,10 @@ fn set_fifo() -> Result<(), Errno> {
     // SAFETY: 0 names the calling thread; `param` lives through the call, which only reads it
     let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const param) };
     if result == 0 { Ok(()) } else { Err(last_errno()) }
+}
+
+fn lock_memory() -> Result<(), Errno> {
+    rustix::mm::mlockall(MlockAllFlags::CURRENT)
 }
 
 fn last_errno() -> Errno {
@@ -172,13 +196,20 @@ mod tests {
 
     #[test]
     fn ignore_always_starts_and_reports() {
-        let obtained = std::thread::spawn(|| apply(RtPolicy::Ignore, Some(CpuSet::MAX_CPU))).join().unwrap().unwrap();
+        let obtained = std::thread::spawn(|| apply(RtPolicy::Ignore, Some(CpuSet::MAX_CPU), &[])).join().unwrap().unwrap();
         assert!(!obtained.report.pinned);
     }
 
     #[test]
+    fn what_is_not_wanted_is_not_asked_for() {
+        let all = [Right::Fifo, Right::Lock, Right::Pin, Right::Awake];
+        let asked = std::thread::spawn(move || apply(RtPolicy::Enforce, Some(CpuSet::MAX_CPU), &all)).join().unwrap();
+        assert_eq!(asked.unwrap().report, RtReport::default());
+    }
+
+    #[test]
     fn enforce_names_what_is_missing_and_what_to_do() {
-        let asked = std::thread::spawn(|| apply(RtPolicy::Enforce, Some(CpuSet::MAX_CPU))).join().unwrap();
+        let asked = std::thread::spawn(|| apply(RtPolicy::Enforce, Some(CpuSet::MAX_CPU), &[])).join().unwrap();
         let text = asked.unwrap_err().to_string();
         assert!(text.contains("limits.conf") || text.contains("taskset"), "{text}");
         assert!(text.contains("--rt ignore"), "{text}");

@@ -2,8 +2,8 @@
 
 use super::histogram::Durations;
 
-/// Commands on their way that are remembered: a quarter of a second at the default rate, after which a device counts as silent.
-const IN_FLIGHT: usize = 256;
+/// Commands on their way that are remembered: a quarter of a second at the fastest rate, after which a device counts as silent.
+const IN_FLIGHT: usize = 2048;
 
 /// Send time of a command that the link did not take.
 const NEVER: u64 = u64::MAX;
@@ -99,10 +99,10 @@ mod tests {
     #[test]
     fn commands_that_were_never_sent_are_not_measured() {
         let mut trips = RoundTrips::new();
-        (1..=300).for_each(|seq| trips.sent(seq, u64::from(seq)));
-        trips.echoed(300, 300);
-        trips.sent(304, 304);
-        trips.echoed(304, 310);
+        (1..=3000).for_each(|seq| trips.sent(seq, u64::from(seq)));
+        trips.echoed(3000, 3000);
+        trips.sent(3004, 3004);
+        trips.echoed(3004, 3010);
         assert_eq!((trips.durations().count(), trips.take_last_ns()), (IN_FLIGHT as u64 + 1, 6));
     }
 

@@ -4,7 +4,7 @@
 //!            no pose: hold the last wrench, `hold` ticks; fade it to zero, `fade` ticks; fault
 //!   Open ────────────────────────────────────────────────────────────────────────────────► Closed (zero)
 //!     ▲                       any other fault: at once                                        │
-//!     └──────── the contact's wrench was small for CALM ticks in a row ◄──────────────────────┘
+//!     └──────── the contact's wrench was small in CALM poses in a row ◄───────────────────────┘
 //! ```
 //! A tick is a period: those that the thread slept through count too, from the first look that found no pose on.
 //!
@@ -13,7 +13,10 @@
 
 use haptor_contact::Wrench;
 
+use super::scale::ticks_at;
 use haptor_engine::DeviceBase;
+
+// Counts of ticks at the default rate ([`super::scale`]).
 
 /// Ticks without a fresh pose through which the last wrench is repeated: a late or lost report or three is normal on USB and TCP.
 pub const HOLD_TICKS: u32 = 4;
@@ -28,15 +31,18 @@ pub struct StaleRule {
     pub hold: u32,
     /// Ticks over which it then fades to zero, 1 or more.
     pub fade: u32,
-}
-
-impl Default for StaleRule {
-    fn default() -> Self {
-        Self { hold: HOLD_TICKS, fade: FADE_TICKS }
-    }
+    /// Ticks in a row of small wrench before a closed output opens.
+    pub calm: u32,
 }
 
 impl StaleRule {
+    /// The usual rule at so many ticks a second.
+    #[must_use]
+    pub const fn at(rate_hz: u32) -> Self {
+        let [hold, fade, calm] = [HOLD_TICKS, FADE_TICKS, CALM_TICKS];
+        Self { hold: ticks_at(rate_hz, hold), fade: ticks_at(rate_hz, fade), calm: ticks_at(rate_hz, calm) }
+    }
+
     /// Ticks from the last fresh pose to zero wrench.
     #[must_use]
     pub const fn zero_after(&self) -> u32 {
@@ -50,7 +56,8 @@ pub const SMALL_FORCE: f32 = 0.1;
 /// Contact torque under which the output may open again \[N m\]: likewise.
 pub const SMALL_TORQUE: f32 = 0.002;
 
-/// Ticks in a row of small wrench before the output opens: longer than a bounce.
+/// Fresh poses in a row of small wrench before the output opens: longer than a bounce. A pose that is late or lost neither counts nor breaks
+/// the row, else forces would stay away on a link that loses one report in a hundred; a silence that would have closed the output breaks it.
 pub const CALM_TICKS: u32 = 100;
 
 /// What a tick has to offer.
@@ -119,7 +126,7 @@ impl Output {
     /// The wrench to send in this tick, and why that one; `slept_through` = periods without a tick since the tick before.
     pub fn serve(&mut self, offer: &Offer, slept_through: u64) -> (Wrench<DeviceBase>, Served) {
         if !self.open {
-            self.count_calm(offer);
+            self.count_calm(offer, slept_through);
             return (Wrench::ZERO, Served::Closed);
         }
         match *offer {
@@ -133,9 +140,7 @@ impl Output {
     }
 
     fn hold_or_fade(&mut self, slept_through: u64) -> (Wrench<DeviceBase>, Served) {
-        // a thread that slept before its first look without a pose cannot say that the device was silent meanwhile
-        let silent = if self.missing == 0 { 0 } else { u32::try_from(slept_through).unwrap_or(u32::MAX) };
-        self.missing = self.missing.saturating_add(1).saturating_add(silent);
+        self.count_missing(slept_through);
         if self.missing >= self.rule.zero_after() {
             let after_ticks = self.missing;
             self.close();
@@ -146,14 +151,24 @@ impl Output {
         (Wrench::new(self.last.force * share, self.last.torque * share), Served::Held)
     }
 
-    fn count_calm(&mut self, offer: &Offer) {
+    fn count_calm(&mut self, offer: &Offer, slept_through: u64) {
         match offer {
-            Offer::Fresh { small: true, .. } => self.calm += 1,
-            _ => self.calm = 0,
+            Offer::Fresh { small: true, .. } => (self.calm, self.missing) = (self.calm + 1, 0),
+            Offer::Fresh { small: false, .. } => (self.calm, self.missing) = (0, 0),
+            Offer::Missing => self.count_missing(slept_through),
         }
-        if self.calm >= CALM_TICKS {
+        if self.missing >= self.rule.zero_after() {
+            self.calm = 0;
+        }
+        if self.calm >= self.rule.calm {
             self.open();
         }
+    }
+
+    fn count_missing(&mut self, slept_through: u64) {
+        // a thread that slept before its first look without a pose cannot say that the device was silent meanwhile
+        let silent = if self.missing == 0 { 0 } else { u32::try_from(slept_through).unwrap_or(u32::MAX) };
+        self.missing = self.missing.saturating_add(1).saturating_add(silent);
     }
 }
 
@@ -167,7 +182,7 @@ mod tests {
     }
 
     fn opened() -> Output {
-        let mut output = Output::new(StaleRule::default());
+        let mut output = Output::new(StaleRule::at(1000));
         output.open();
         output
     }
@@ -186,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_shortest_rule_is_zero_at_the_second_tick() {
-        let mut output = Output::new(StaleRule { hold: 1, fade: 1 });
+        let mut output = Output::new(StaleRule { hold: 1, fade: 1, calm: CALM_TICKS });
         output.open();
         output.serve(&fresh(8.0), 0);
         assert_eq!(output.serve(&Offer::Missing, 0).0.force.z.to_bits(), 8.0_f32.to_bits());
@@ -220,14 +235,26 @@ mod tests {
 
     #[test]
     fn only_calm_in_a_row_opens_again() {
+        let silence = vec![Offer::Missing; (HOLD_TICKS + FADE_TICKS) as usize];
+        for interruption in [vec![fresh(5.0)], silence] {
+            let mut output = opened();
+            output.close();
+            (1..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.0), 0).1, Served::Closed));
+            interruption.iter().for_each(|offer| assert_eq!(output.serve(offer, 0).1, Served::Closed));
+            (0..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.05), 0).1, Served::Closed));
+            assert!(output.is_open());
+            assert_eq!(output.serve(&fresh(1.0), 0).1, Served::Fresh);
+        }
+    }
+
+    #[test]
+    fn poses_that_are_lost_now_and_then_do_not_keep_forces_away() {
         let mut output = opened();
         output.close();
-        for interruption in [fresh(5.0), Offer::Missing] {
-            (1..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.0), 0).1, Served::Closed));
-            output.serve(&interruption, 0);
+        for _ in 0..CALM_TICKS {
+            assert_eq!(output.serve(&Offer::Missing, 3).1, Served::Closed);
+            assert_eq!(output.serve(&fresh(0.05), 0).1, Served::Closed);
         }
-        (0..CALM_TICKS).for_each(|_| assert_eq!(output.serve(&fresh(0.05), 0).1, Served::Closed));
         assert!(output.is_open());
-        assert_eq!(output.serve(&fresh(1.0), 0).1, Served::Fresh);
     }
 }

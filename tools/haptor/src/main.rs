@@ -2,11 +2,12 @@
 //! far it is, and ends with 0 (good), 1 (found a problem) or 2 (bad input, nothing written).
 //!
 //! The tool never runs a real-time loop: `demo` and `run` start the programs `haptor-firmware-sim` and `haptor-host` that lie
-//! beside it and talk to them over the tool link (`haptor_wire::status`).
+//! beside it and talk to them over the tool link (`haptor_wire::status`); `timing` has ticks run by `haptor-measure` in the same way.
 
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
+mod bench;
 mod client;
 mod command;
 mod config;
@@ -25,7 +26,9 @@ mod skins;
 mod surface;
 mod table;
 mod text;
+mod timing;
 mod trajectory;
+mod trial;
 mod usb;
 mod window;
 

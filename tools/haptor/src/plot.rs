@@ -35,11 +35,17 @@ const COLOURS: [RGBColor; 4] = [RGBColor(190, 190, 190), RGBColor(0, 114, 178), 
 /// Width of each curve \[pixels\].
 const WIDTHS: [u32; 4] = [4, 2, 2, 2];
 
+/// What goes along unless something else is said.
+const TIME: &str = "time [s]";
+
 /// The name under which the font is registered.
-const FONT: &str = "sans-serif";
+pub const FONT: &str = "sans-serif";
 
 /// Registers the font once.
-fn fonts() -> anyhow::Result<()> {
+///
+/// # Errors
+/// When the font that comes with a crate cannot be read.
+pub fn fonts() -> anyhow::Result<()> {
     static DONE: OnceLock<bool> = OnceLock::new();
     let done = DONE.get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());
     if *done { Ok(()) } else { Err(anyhow!("the font of the plots cannot be read")) }
@@ -62,15 +68,23 @@ pub type Panel = (&'static str, Vec<Curve>);
 /// # Errors
 /// When the picture cannot be drawn or written.
 pub fn draw_panels(path: &Path, title: &str, panels: &[Panel]) -> anyhow::Result<()> {
-    fonts()?;
-    paint_panels(path, title, panels).map_err(|error| anyhow!("{error}")).with_context(|| format!("{}", path.display()))
+    draw_panels_over(TIME, path, title, panels)
 }
 
-fn paint_panels(path: &Path, title: &str, panels: &[Panel]) -> Result<(), Box<dyn std::error::Error>> {
+/// The same over another quantity, its label with the unit.
+///
+/// # Errors
+/// When the picture cannot be drawn or written.
+pub fn draw_panels_over(along: &str, path: &Path, title: &str, panels: &[Panel]) -> anyhow::Result<()> {
+    fonts()?;
+    paint_panels(path, title, along, panels).map_err(|error| anyhow!("{error}")).with_context(|| format!("{}", path.display()))
+}
+
+fn paint_panels(path: &Path, title: &str, along: &str, panels: &[Panel]) -> Result<(), Box<dyn std::error::Error>> {
     let area = BitMapBackend::new(path, (SIZE.0, PANEL_HEIGHT * panels.len() as u32)).into_drawing_area();
     area.fill(&WHITE)?;
     for (index, (part, (label, curves))) in area.split_evenly((panels.len(), 1)).iter().zip(panels).enumerate() {
-        chart(part, if index == 0 { title } else { "" }, label, curves)?;
+        chart(part, if index == 0 { title } else { "" }, along, label, curves)?;
     }
     area.present()?;
     Ok(())
@@ -79,7 +93,7 @@ fn paint_panels(path: &Path, title: &str, panels: &[Panel]) -> Result<(), Box<dy
 fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
     let area = BitMapBackend::new(path, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
-    chart(&area, title, label, curves)?;
+    chart(&area, title, TIME, label, curves)?;
     area.present()?;
     Ok(())
 }
@@ -87,7 +101,7 @@ fn paint(path: &Path, title: &str, label: &str, curves: &[Curve]) -> Result<(), 
 /// Where a chart is drawn.
 type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
 
-fn chart(area: &Area<'_>, title: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
+fn chart(area: &Area<'_>, title: &str, along: &str, label: &str, curves: &[Curve]) -> Result<(), Box<dyn std::error::Error>> {
     let (time, value) = ranges(curves);
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 28))
@@ -97,7 +111,7 @@ fn chart(area: &Area<'_>, title: &str, label: &str, curves: &[Curve]) -> Result<
         .build_cartesian_2d(time, value)?;
     chart
         .configure_mesh()
-        .x_desc("time [s]")
+        .x_desc(along)
         .y_desc(label)
         .max_light_lines(0)
         .label_style((FONT, 18))

@@ -12,6 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::failure::Failure;
 
@@ -46,14 +47,16 @@ pub fn find(name: &str) -> Result<PathBuf, Failure> {
     )))
 }
 
-/// From now on Ctrl-C does not end this program but sets the flag: the children get the same Ctrl-C, end in order, and what they
+/// From now on Ctrl-C, SIGTERM and a closed terminal do not end this program but set the flag: children end in order, and what they
 /// have to say is still heard.
 ///
 /// # Errors
 /// When the system refuses.
 pub fn note_interrupts() -> anyhow::Result<Arc<AtomicBool>> {
     let interrupted = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted)).context("cannot watch for Ctrl-C")?;
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted)).context("cannot watch for Ctrl-C")?;
+    }
     Ok(interrupted)
 }
 

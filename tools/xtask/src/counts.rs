@@ -8,23 +8,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow};
 
-use crate::counting::{self, Counted, VALGRIND};
+use crate::counting::callgrind::{STAGES, VALGRIND};
+use crate::counting::{self, Counted};
 use crate::run::{self, ask, cargo, root, target};
-
-/// What the columns of the second table gather, in pipeline order.
-const PARTS: [(&str, &[&str]); 11] = [
-    ("coupling", &["coupling/"]),
-    ("detect", &["stage/detect", "geometry/"]),
-    ("regions", &["stage/regions", "patch.rs"]),
-    ("force", &["stage/force", "footprint", "profile/"]),
-    ("torque", &["stage/torque", "tier/"]),
-    ("deform", &["stage/deform", "stage/ground", "green/"]),
-    ("body", &["body.rs"]),
-    ("wrench", &["stage/wrench", "wrench.rs"]),
-    ("guard", &["guard.rs"]),
-    ("surface", &["surface/"]),
-    ("libraries", &["libraries"]),
-];
 
 /// Scenes of the second table.
 const SHOWN: [&str; 11] = [
@@ -70,11 +56,11 @@ fn table(counted: &[Counted], sizes: &str) -> Result<String> {
         writeln!(text, "| {} | {} | {} |", case.name, case.mean(), case.worst)?;
     }
     text += PARTS_HEAD;
-    writeln!(text, "| scene | {} | rest |", PARTS.map(|(name, _)| name).join(" | "))?;
-    writeln!(text, "|---{}", "|---:".repeat(PARTS.len() + 1) + "|")?;
+    writeln!(text, "| scene | {} | rest |", STAGES.map(|(name, _)| name).join(" | "))?;
+    writeln!(text, "|---{}", "|---:".repeat(STAGES.len() + 1) + "|")?;
     for case in counted.iter().filter(|case| SHOWN.contains(&case.name.as_str())) {
         let share = |count: u64| (count + case.calls / 2) / case.calls;
-        let parts = PARTS.map(|(_, files)| case.within(files));
+        let parts = STAGES.map(|(_, files)| case.within(files));
         let rest = case.total - parts.iter().sum::<u64>();
         let fields = parts.iter().chain([&rest]).map(|&count| share(count).to_string()).collect::<Vec<_>>().join(" | ");
         writeln!(text, "| {} | {fields} |", case.name)?;

@@ -93,12 +93,13 @@ pub const BRISTLE: u32 = 2_300;
 /// See [`BRISTLE`].
 pub const BRISTLE_SAMPLE: u32 = 430;
 
-/// Tiers `influence` and `green`, a place of the window: kernel, loads, laying the grid anew. "base, influence 52, one sweep" and "influence 52, box, one region,
-/// slide" less their rows without friction and [`SPREAD_HALVES`].
-pub const WINDOW: u32 = 175;
-
-/// Half instructions of what one cell's change moves another by. From the same rows: their difference is three sweeps.
-pub const SPREAD_HALVES: u32 = 13;
+/// Tiers `influence` and `green`: a place with its four cells once a tick (loads, laying the grid anew, taking and giving back), a visit of it, and what one other place pulls
+/// at it in a visit. "base, influence 52, one sweep", "influence 52, box, one region, slide" and "base, influence 112" less their rows without friction.
+pub const PLACE: u32 = 700;
+/// See [`PLACE`].
+pub const VISIT: u32 = 200;
+/// See [`PLACE`].
+pub const PULL: u32 = 30;
 
 /// A call for the surface: what does not depend on the point. "surface of 64, ..." less 64 vertices; with [`SHOWN_BODY`] for the motion of the body, and
 /// [`SHOWN_PATCH`] a patch.

@@ -134,13 +134,16 @@ fn of_tier(rung: Rung) -> u32 {
     }
 }
 
-/// The last tick's changes are repeated and every sweep visits each cell; a visit changes what all places of the window lack.
+/// Places of the two layouts.
+const COARSE_PLACES: u32 = Layout::COARSE.places() as u32;
+const FINE_PLACES: u32 = Layout::FINE.places() as u32;
+
+/// The last tick's changes are repeated and every sweep visits each place that a contact can reach; all others pull at it.
 fn of_cells(rung: Rung) -> u32 {
-    let layout = if usize::from(rung.samples) > Layout::COARSE.cells { Layout::FINE } else { Layout::COARSE };
-    let window = count(layout.widest_window() * layout.widest_window());
-    let visits = count(layout.most_cells()).saturating_mul(u32::from(rung.sweeps) + 1);
-    let spread = visits.saturating_mul(window).saturating_mul(costs::SPREAD_HALVES) / 2;
-    costs::WINDOW.saturating_mul(window).saturating_add(spread)
+    let fine = usize::from(rung.samples) > Layout::COARSE.cells;
+    let (places, visits) = (if fine { FINE_PLACES } else { COARSE_PLACES }, u32::from(rung.sweeps) + 1);
+    let visit = costs::VISIT.saturating_add(costs::PULL.saturating_mul(places));
+    places.saturating_mul(costs::PLACE.saturating_add(visits.saturating_mul(visit)))
 }
 
 /// An update of so many vertices of the surface under so many patches, with the motion of the whole body or without.

@@ -48,10 +48,17 @@ struct Ladder {
     steps: u8,
     /// Ticks in a row in which the next rung up fitted.
     calm: u8,
+    /// This tick's rung is not that of the tick before.
+    moved: bool,
 }
 
 impl Ladder {
-    const TOP: Self = Self { steps: 0, calm: 0 };
+    /// It stays where it is while counts and room do.
+    const fn is_settled(&self) -> bool {
+        self.calm == 0 && !self.moved
+    }
+
+    const TOP: Self = Self { steps: 0, calm: 0, moved: false };
 
     /// Goes down to the first rung that fits into `room`, at most to the `lowest`, or up by one when that has fitted long enough.
     fn settle(&mut self, room: u32, lowest: u8, cost: impl Fn(u8) -> u32) -> u8 {
@@ -68,8 +75,9 @@ impl Ladder {
         } else if self.calm + 1 < CALM_TICKS {
             self.calm += 1;
         } else {
-            *self = Self { steps: before - 1, calm: 0 };
+            (self.steps, self.calm) = (before - 1, 0);
         }
+        self.moved = self.steps != before;
         self.steps
     }
 }
@@ -91,7 +99,7 @@ impl Account {
 
     /// The ladders stay where they are while nothing moves.
     pub const fn is_settled(&self) -> bool {
-        self.grip.calm == 0 && self.search.calm == 0
+        self.grip.is_settled() && self.search.is_settled()
     }
 }
 

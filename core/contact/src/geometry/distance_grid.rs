@@ -128,10 +128,10 @@ impl<'a> DistanceGrid<'a> {
     fn taps<const SECOND: bool>(&self, [i, j, k]: [usize; 3], t: Vec3) -> (f32, Vec3, Mat3) {
         let (x, y, z) = (Weights::at(t.x), Weights::at(t.y), Weights::at(t.z));
         let mut all = Columns::default();
-        for (c, plane) in (k - 1..=k + 2).enumerate() {
+        for c in 0..4 {
             let (mut value, mut slope, mut bend) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-            for (b, line) in (j - 1..=j + 2).enumerate() {
-                let row = self.row(i - 1, line, plane);
+            for b in 0..4 {
+                let row = self.row(i - 1, j + b - 1, k + c - 1);
                 add(&mut value, y.value[b], row);
                 add(&mut slope, y.slope[b], row);
                 if SECOND {

@@ -88,7 +88,7 @@ impl Stand<'_> {
         let mut radii = [1.0; RAYS];
         let mut above = 1.0;
         let mut found = [Outline::default(); LEVELS.len()];
-        for (outline, s) in found.iter_mut().zip(LEVELS).rev() {
+        for (outline, s) in found.iter_mut().rev().zip(LEVELS.into_iter().rev()) {
             // a convex part's cut holds the one above, shrunk towards the deepest point by the ratio of the levels
             let share = s / above;
             view.centre *= share * share;

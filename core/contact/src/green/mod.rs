@@ -127,7 +127,7 @@ impl<'a> Green<'a> {
     pub fn at_node(&self, node: usize, loaded: &Cell, load: &Load) -> [f32; COMPONENTS] {
         let side = COMPONENTS * self.chart.places();
         let load = [load.force.x, load.force.y, load.force.z, load.torque];
-        let mut rows = self.table.chunks_exact(side).skip(COMPONENTS * node);
+        let mut rows = self.table.chunks_exact(side.max(1)).skip(COMPONENTS * node);
         let mut found = [0.0; COMPONENTS];
         for (value, row) in found.iter_mut().zip(&mut rows) {
             for k in 0..CELL {

@@ -106,21 +106,29 @@ impl Follower {
     }
 
     fn tick(&mut self, engine: &mut Engine<'_>, tick: &TickRecord) -> Step {
+        match self.asked(tick) {
+            Some((x_dh, dt)) => Step::Felt(engine.step(&x_dh, dt), self.sure),
+            None => Step::Idle,
+        }
+    }
+
+    /// What the core is to be stepped with at a tick: the handle's pose, and the time since the tick before \[s\]. `None` when no pose came.
+    pub fn asked(&mut self, tick: &TickRecord) -> Option<(Pose<DeviceBase, Handle>, f32)> {
         if tick.flags & flags::NO_POSE != 0 {
-            return Step::Idle;
+            return None;
         }
         let since = self.stepped_at.map_or(Some(1), |at| tick.tick.checked_sub(at));
         // what the host stepped the core with was a pose: the frame's checksum agrees, so whoever wrote it was no host
         let Some(x_dh) = pose(tick) else {
             self.missed(Unsure::Damaged);
-            return Step::Idle;
+            return None;
         };
         if since.is_none() {
             self.missed(Unsure::Damaged);
         }
         let dt = (since.unwrap_or(1) as f64 / f64::from(self.rate_hz)) as f32;
         self.stepped_at = Some(tick.tick);
-        Step::Felt(engine.step(&x_dh, dt), self.sure)
+        Some((x_dh, dt))
     }
 }
 

@@ -61,12 +61,17 @@ fn found(device: &Device<Context>) -> Found {
     let open = || {
         let handle = device.open()?;
         let serial = handle.read_serial_number_string_ascii(&device.device_descriptor()?)?;
-        Ok((handle, serial))
+        Ok((handle, printable(&serial)))
     };
     match open() {
         Ok((handle, serial)) => Found::Open(handle, serial),
         Err(error) => Found::Refused(error),
     }
+}
+
+/// A serial number as it is shown and asked for: control characters, which steer terminals, as the `?` that libusb makes of what is not ASCII.
+fn printable(serial: &str) -> String {
+    serial.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
 fn choose(wanted: Option<&str>, found: Vec<Found>) -> io::Result<(DeviceHandle<Context>, String)> {
@@ -125,6 +130,11 @@ pub(super) fn explain(error: Error, what: &str) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_serial_number_cannot_steer_the_terminal() {
+        assert_eq!(printable("A17\u{1b}[2J\r\n"), "A17?[2J??");
+    }
 
     #[test]
     fn one_is_chosen_or_the_choice_is_shown() {

@@ -224,7 +224,8 @@ impl Transfers {
     pub fn receive(&mut self, into: &mut [u8], wait: Duration) -> Result<usize, LinkError> {
         let Some(transfer) = self.await_next(wait)? else { return Ok(0) };
         let (LIBUSB_TRANSFER_COMPLETED, bytes) = transfer.came_back() else { return Err(LinkError::Closed) };
-        let carried = bytes.min(into.len());
+        // a packet without bytes is a damaged one and not "none came": one byte of it, which is no message either, says so
+        let carried = bytes.max(1).min(into.len());
         into[..carried].copy_from_slice(&transfer.buffer()[..carried]);
         transfer.submit()?;
         self.next = (self.next + 1) % FETCHING;

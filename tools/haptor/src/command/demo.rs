@@ -148,9 +148,17 @@ struct Session {
 fn play(args: &Args, model: &Path, record: &Path) -> Result<Session, Failure> {
     let interrupted = programs::note_interrupts()?;
     let device = SimulatedDevice::start(&args.preset, SCRIPT, args.seconds + DEVICE_LONGER, &args.drills)?;
-    let port = format!("serial:{}", device.port);
     let viewers = args.view.then(|| format!("unix:{}", model.with_file_name("view").display()));
-    let plan = Plan { model, device: &port, rate_hz: args.rate, seconds: args.seconds, record, viewers: viewers.as_deref() };
+    let plan = Plan {
+        model,
+        device: &device.address,
+        rate_hz: args.rate,
+        seconds: args.seconds,
+        record: Some(record),
+        viewers: viewers.as_deref(),
+        hold_fade: Plan::PATIENCE,
+        more: &[],
+    };
     let mut host = Host::start(&plan)?;
     let _window = viewers.as_deref().map(|address| window::beside(address, "demo")).transpose()?;
     let heard = listen(&mut host, args, &interrupted);

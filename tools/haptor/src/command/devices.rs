@@ -119,7 +119,12 @@ fn usb(usb: &Plugged) -> Value {
 
 fn print(list: &[Value], title: &str, line: impl Fn(&Value) -> String) {
     say(format_args!("{title}{}", if list.is_empty() { ": none" } else { "" }));
-    list.iter().for_each(|item| say(format_args!("  {}", line(item))));
+    list.iter().for_each(|item| say(format_args!("  {}", printable(&line(item)))));
+}
+
+/// What a device says of itself, harmless to a terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
 fn text<'v>(value: &'v Value, key: &str) -> &'v str {
@@ -153,5 +158,10 @@ mod tests {
         assert_eq!(line, format!("serial:{name}  or  serial:A17  or  serial:{}  Maker Thing", link.display()));
         let plain = SerialPortInfo { port_name: "/dev/none".to_owned(), port_type: SerialPortType::Unknown };
         assert_eq!(port_line(&port(&plain, &by_id)), "serial:/dev/none  ");
+    }
+
+    #[test]
+    fn a_name_cannot_steer_the_terminal() {
+        assert_eq!(printable("Maker \u{1b}]0;mine\u{7}\u{9b}2J Größe"), "Maker ?]0;mine??2J Größe");
     }
 }

@@ -1,6 +1,7 @@
 //! The commands, one per file: its arguments, what it does, its messages.
 
 pub mod bake;
+mod bench;
 mod completions;
 mod config;
 mod demo;
@@ -14,6 +15,7 @@ mod record;
 mod replay;
 mod run;
 mod tell;
+mod timing;
 mod trajectory;
 mod view;
 mod watch;
@@ -35,11 +37,13 @@ pub enum Command {
     Export(export::Args),
     View(view::Args),
     Tell(tell::Args),
+    Timing(timing::Args),
     Plot(plot::Args),
     Trajectory(trajectory::Args),
     Mesh(mesh::Args),
     Devices(devices::Args),
     Doctor(doctor::Args),
+    Bench(bench::Args),
     Config(config::Args),
     Completions(completions::Args),
 }
@@ -56,11 +60,13 @@ pub fn run(command: Command) -> Outcome {
         Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),
         Command::Tell(args) => tell::run(&args),
+        Command::Timing(args) => timing::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Trajectory(args) => trajectory::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Completions(args) => completions::run(&args),
     }

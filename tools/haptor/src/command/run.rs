@@ -14,7 +14,7 @@ use crate::output::unwritten;
 use crate::programs::{self, Child};
 use crate::scene::Scene;
 use crate::session::device::SimulatedDevice;
-use crate::session::host::PATIENCE;
+use crate::session::host::patience;
 use crate::window;
 
 /// Starts the real-time host with a scene, on a simulated or a real device.
@@ -40,7 +40,7 @@ pub struct Args {
 pub struct Session {
     /// Scene file (TOML)
     pub scene: PathBuf,
-    /// sim (a simulated device), usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
+    /// sim (a simulated device), usb, usb:SERIAL, usb-bulk[:SERIAL], serial:PORT, serial:NUMBER or tcp:HOST:PORT; `haptor devices` lists what is there
     /// [default: that of
     /// `haptor config`]
     #[arg(long, value_parser = device)]
@@ -110,11 +110,11 @@ pub fn start(args: &Session, record: Option<&Path>, view: bool) -> Outcome {
     let model = work.path().join("scene.model");
     bake(&scene, &args.scene.display().to_string(), &model)?;
     let simulated = simulated(&chosen, args.seconds)?;
-    let device = simulated.as_ref().map_or(chosen.device.clone(), |device| format!("serial:{}", device.port));
+    let device = simulated.as_ref().map_or(chosen.device.clone(), |device| device.address.clone());
     let mut command = Command::new(programs::find(programs::HOST)?);
     command.arg(&model).args(["--device", &device, "--rate", &chosen.rate.to_string(), "--rt", &chosen.rt]).arg(programs::TIED);
     if simulated.is_some() {
-        command.args(PATIENCE);
+        command.args(patience(chosen.rate));
     }
     if let Some(seconds) = args.seconds {
         command.args(["--seconds", &seconds.to_string()]);
@@ -183,7 +183,7 @@ pub fn device(text: &str) -> Result<String, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match (kind, rest.is_empty()) {
         ("sim", true) | ("usb" | "usb-bulk", _) | ("serial" | "tcp", false) => Ok(text.to_owned()),
-        _ => Err("allowed is sim, usb, usb:SERIAL, serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
+        _ => Err("allowed is sim, usb, usb:SERIAL, usb-bulk[:SERIAL], serial:PORT, serial:NUMBER or tcp:HOST:PORT".to_owned()),
     }
 }
 

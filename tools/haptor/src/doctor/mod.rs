@@ -1,13 +1,19 @@
-//! What makes a machine good or bad at a thousand ticks a second: kernel, rights, cores, sleep states, devices,
+//! What makes a machine good or bad at a thousand ticks a second: kernel, processor, interrupts, rights, what it runs in, devices,
 //! programs, timer.
 //!
 //! Each check reads one thing of the system and judges it; nothing is changed. Only what keeps the project from running at all is
 //! a fail; what makes late ticks likelier is a warning.
 
+pub mod cpus;
+mod interrupts;
+mod kernel;
+mod place;
 mod serial;
-mod system;
+pub mod system;
 mod timer;
 mod usb;
+
+use std::fs;
 
 use crate::programs;
 
@@ -58,21 +64,32 @@ impl Finding {
     }
 }
 
-/// Looks at everything; the timer test lasts `soak` minutes, or two seconds.
-pub fn examine(soak: Option<u32>) -> Vec<Finding> {
+/// Looks at everything; the timer test lasts two seconds.
+pub fn examine() -> Vec<Finding> {
     vec![
-        system::kernel(),
-        system::cores(),
+        kernel::flavour(),
+        kernel::clock(),
+        kernel::throttling(),
+        kernel::isolation(),
+        cpus::cores(),
+        cpus::governor(),
+        cpus::sleep(),
+        interrupts::placement(),
         system::rtprio(),
         system::memlock(),
-        system::governor(),
-        system::dma_latency(),
+        place::container(),
+        place::machine(),
         usb::check(),
         serial::latency(),
         program(programs::HOST),
         program(programs::FIRMWARE_SIM),
-        timer::check(soak),
+        timer::check(),
     ]
+}
+
+/// A small text file of the kernel's, without its last newline; empty where there is none.
+fn read(path: &str) -> String {
+    fs::read_to_string(path).unwrap_or_default().trim().to_owned()
 }
 
 fn program(name: &'static str) -> Finding {

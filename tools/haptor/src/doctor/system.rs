@@ -1,10 +1,6 @@
-//! What the kernel says about itself, this process's rights and the processor.
+//! The rights of this process, which the host inherits.
 
-use std::fs;
-use std::path::Path;
-use std::thread;
-
-use super::{Finding, Mark};
+use super::{Finding, Mark, read};
 
 /// Memory that the host locks \[bytes\], with room: code, stacks, queues and recording buffers.
 const LOCKED_BYTES: u64 = 256 << 20;
@@ -16,49 +12,15 @@ const PRIORITY: u64 = 80;
 const CAP_IPC_LOCK: u32 = 14;
 const CAP_SYS_NICE: u32 = 23;
 
-/// Cores that leave one to the tick: the tick, and everything else.
-const CORES: usize = 2;
-
-/// Flavour of the kernel.
-pub fn kernel() -> Finding {
-    let release = read("/proc/sys/kernel/osrelease");
-    let version = read("/proc/sys/kernel/version");
-    let flavour = flavour(&version, &read("/sys/kernel/realtime"));
-    let found = format!("{release} ({})", if flavour.is_empty() { "preemption unknown" } else { flavour });
-    match flavour {
-        "PREEMPT_RT" => Finding::ok("kernel", found),
-        _ => Finding::bad(
-            "kernel",
-            Mark::Warn,
-            found,
-            "a PREEMPT_RT kernel bounds the worst case; e.g. Debian's linux-image-rt-amd64",
-        ),
-    }
-}
-
-/// `/sys/kernel/realtime` is missing on some real-time kernels, so the version text counts too.
-fn flavour(version: &str, realtime: &str) -> &'static str {
-    let names = ["PREEMPT_RT", "PREEMPT_DYNAMIC", "PREEMPT", "VOLUNTARY"];
-    if realtime == "1" {
-        return "PREEMPT_RT";
-    }
-    names.into_iter().find(|name| version.contains(name)).unwrap_or("")
-}
-
-/// Cores that this process may use.
-pub fn cores() -> Finding {
-    match thread::available_parallelism().map_or(1, usize::from) {
-        count if count >= CORES => Finding::ok("cores", count.to_string()),
-        count => {
-            Finding::bad("cores", Mark::Warn, count.to_string(), "with one core everything else delays the tick; use two or more")
-        }
-    }
+/// Is the real-time class granted?
+pub fn has_rights() -> bool {
+    capable(CAP_SYS_NICE) || limit("Max realtime priority").is_some_and(|limit| limit >= PRIORITY)
 }
 
 /// May the host run under SCHED_FIFO?
 pub fn rtprio() -> Finding {
     let limit = limit("Max realtime priority");
-    if capable(CAP_SYS_NICE) || limit.is_some_and(|limit| limit >= PRIORITY) {
+    if has_rights() {
         return Finding::ok("real-time priority", "granted");
     }
     let advice = "add `@realtime - rtprio 90` to /etc/security/limits.d/, join the group and log in again";
@@ -74,40 +36,6 @@ pub fn memlock() -> Finding {
     let advice = "add `@realtime - memlock unlimited` to /etc/security/limits.d/, join the group and log in again";
     let found = format!("limit {} MiB, {} MiB wanted", limit.unwrap_or(0) >> 20, LOCKED_BYTES >> 20);
     Finding::bad("locked memory", Mark::Warn, found, advice)
-}
-
-/// Does the processor keep its speed?
-pub fn governor() -> Finding {
-    let mut found: Vec<_> = governors(Path::new("/sys/devices/system/cpu"));
-    found.sort();
-    found.dedup();
-    match found.as_slice() {
-        [] => Finding::ok("CPU governor", "none (fixed by firmware or virtual machine)"),
-        [one] if one == "performance" => Finding::ok("CPU governor", one.clone()),
-        _ => Finding::bad("CPU governor", Mark::Warn, found.join(", "), "`cpupower frequency-set -g performance` while running"),
-    }
-}
-
-fn governors(folder: &Path) -> Vec<String> {
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let files = entries.flatten().map(|entry| entry.path().join("cpufreq/scaling_governor"));
-    files.filter_map(|file| fs::read_to_string(file).ok()).map(|text| text.trim().to_owned()).collect()
-}
-
-/// May the host hold off deep CPU sleep? Opening the file asks for nothing until something is written.
-pub fn dma_latency() -> Finding {
-    let path = "/dev/cpu_dma_latency";
-    match fs::OpenOptions::new().write(true).open(path) {
-        Ok(_) => Finding::ok("deep sleep", format!("{path} can be written")),
-        Err(error) => {
-            let advice = "a udev rule `KERNEL==\"cpu_dma_latency\", GROUP=\"realtime\", MODE=\"0660\"` lets the host hold it off";
-            Finding::bad("deep sleep", Mark::Warn, format!("{path}: {error}"), advice)
-        }
-    }
-}
-
-fn read(path: &str) -> String {
-    fs::read_to_string(path).unwrap_or_default().trim().to_owned()
 }
 
 fn limit(name: &str) -> Option<u64> {
@@ -132,19 +60,6 @@ fn capable(bit: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_flavour_is_read_from_either_place() {
-        let table = [
-            ("#1 SMP PREEMPT_RT Debian 6.1.1", "", "PREEMPT_RT"),
-            ("#1 SMP PREEMPT_DYNAMIC Debian", "1", "PREEMPT_RT"),
-            ("#1 SMP PREEMPT_DYNAMIC Debian", "", "PREEMPT_DYNAMIC"),
-            ("#1 SMP", "", ""),
-        ];
-        for (version, realtime, expected) in table {
-            assert_eq!(flavour(version, realtime), expected, "{version}");
-        }
-    }
 
     #[test]
     fn limits_are_read_as_the_kernel_prints_them() {

@@ -5,32 +5,23 @@ use std::time::{Duration, Instant};
 
 use super::{Finding, Mark};
 use crate::progress;
+use crate::trial::{SHARE_FAIL, SHARE_WARN};
 
 /// Length of a tick \[ns\].
 const PERIOD_NS: u64 = 1_000_000;
 
-/// Ticks of a short test: two seconds.
-const SHORT: u64 = 2_000;
-
-/// Ticks in a minute.
-const PER_MINUTE: u64 = 60_000;
+/// Ticks of the test: two seconds.
+const TICKS: u64 = 2_000;
 
 /// Lateness that 999 of 1,000 wake-ups should stay below \[ns\]: half a tick, the rest is for the work.
 const GOOD_NS: u64 = 500_000;
 
-/// Share of wake-ups within their tick below which the machine will not do (libfranka's mark).
-const SHARE_FAIL: f64 = 0.90;
-
-/// Share of wake-ups within their tick below which it is doubtful (libfranka's mark).
-const SHARE_WARN: f64 = 0.95;
-
 /// The finding of the timer test.
-pub fn check(soak: Option<u32>) -> Finding {
-    let ticks = soak.map_or(SHORT, |minutes| PER_MINUTE * u64::from(minutes));
+pub fn check() -> Finding {
     let mut late = Lateness::default();
-    let bar = progress::bar(ticks, "timing");
+    let bar = progress::bar(TICKS, "timing");
     let start = Instant::now();
-    for tick in 1..=ticks {
+    for tick in 1..=TICKS {
         let due = start + Duration::from_nanos(PERIOD_NS * tick);
         thread::sleep(due.saturating_duration_since(Instant::now()));
         late.add(Instant::now().saturating_duration_since(due));

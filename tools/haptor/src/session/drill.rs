@@ -1,7 +1,22 @@
 //! A fault on purpose, as `demo --drill` takes it: checked here, acted by the simulated device (its `--fault`).
 
-/// What can go wrong, and whether it lasts.
-const KINDS: [(&str, bool); 5] = [("garbage", true), ("stall", true), ("die", false), ("restart", false), ("kick", false)];
+/// What can go wrong on a device without a bus, and whether it lasts.
+const KINDS: [(&str, bool); 14] = [
+    ("garbage", true),
+    ("stall", true),
+    ("die", false),
+    ("restart", false),
+    ("kick", false),
+    ("corrupt", true),
+    ("duplicate", true),
+    ("reorder", true),
+    ("delay", true),
+    ("drop", true),
+    ("nan", true),
+    ("freeze", true),
+    ("stuck", true),
+    ("version", false),
+];
 
 /// A planned fault.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use std::thread;
 
 use haptor_wire::{FromHost, StreamDecoder, stream_bound};
 
+use crate::config;
 use crate::failure::Failure;
 use crate::programs::{self, Child};
 
@@ -17,10 +18,21 @@ const FRAME_MAX: usize = stream_bound(FromHost::MAX_ENCODED);
 /// Bytes read from the pipe at once: some tens of frames.
 const CHUNK: usize = 4096;
 
-/// Ticks without a pose through which the last wrench is held, and over which it then fades, before a fault latches. Twice the
-/// host's own figures: a simulated device is an ordinary process, seen to oversleep 26 ms on a busy machine, and a stall of 50 ms
+/// Ticks at 1 kHz without a pose through which the last wrench is held, and over which it then fades, before a fault latches. Twice
+/// the host's own figures: a simulated device is an ordinary process, seen to oversleep 26 ms on a busy machine, and a stall of 50 ms
 /// must still be a fault.
-pub const PATIENCE: [&str; 4] = ["--hold", "8", "--fade", "32"];
+const PATIENCE: (u32, u32) = (8, 32);
+
+/// The same as arguments, at a rate.
+pub fn patience(rate_hz: u32) -> [String; 4] {
+    hold_fade(rate_hz, PATIENCE)
+}
+
+/// Hold and fade as arguments. Above 1 kHz they stand for a time, below for a count, as the host's own do.
+fn hold_fade(rate_hz: u32, (hold, fade): (u32, u32)) -> [String; 4] {
+    let ticks = |ticks: u32| (ticks * rate_hz.max(config::RATE)).div_ceil(config::RATE).to_string();
+    ["--hold".to_owned(), ticks(hold), "--fade".to_owned(), ticks(fade)]
+}
 
 /// How a session with a simulated device is run.
 #[derive(Debug)]
@@ -33,10 +45,19 @@ pub struct Plan<'a> {
     pub rate_hz: u32,
     /// Length of the session \[s\].
     pub seconds: f64,
-    /// The recording to write.
-    pub record: &'a Path,
+    /// The recording to write, if any.
+    pub record: Option<&'a Path>,
     /// Where viewers come in, if they may.
     pub viewers: Option<&'a str>,
+    /// Hold and fade \[ticks at 1 kHz\]; [`Self::PATIENCE`] for people.
+    pub hold_fade: (u32, u32),
+    /// Further arguments.
+    pub more: &'a [String],
+}
+
+impl Plan<'_> {
+    /// The usual hold and fade with a simulated device.
+    pub const PATIENCE: (u32, u32) = PATIENCE;
 }
 
 /// A running host.
@@ -59,9 +80,11 @@ impl Host {
         command
             .args(["--seconds", &plan.seconds.to_string(), "--status", "frames"])
             .arg(programs::TIED)
-            .args(PATIENCE)
-            .arg("--record")
-            .arg(plan.record);
+            .args(hold_fade(plan.rate_hz, plan.hold_fade))
+            .args(plan.more);
+        if let Some(record) = plan.record {
+            command.arg("--record").arg(record);
+        }
         if let Some(address) = plan.viewers {
             command.args(["--viewer", address]);
         }

@@ -1,8 +1,8 @@
 //! A recording without a device: the poses of a trajectory, answered by the engine that the host would run. The same bytes every time.
 
 use haptor_contact::Vec3;
-use haptor_engine::Scene;
 use haptor_engine::replay::{Follower, Step, answered};
+use haptor_engine::{Engine, Scene};
 use haptor_wire::frame::encode_stream;
 use haptor_wire::recording::{Chunk, FRAME_MAX};
 use haptor_wire::schema::TOOL_TABLE;
@@ -32,29 +32,50 @@ impl Sheet {
 /// # Errors
 /// In words, what of scene or trajectory cannot be recorded.
 pub fn record(scene: &[u8], rows: &[Row], rate_hz: u32) -> Result<Vec<u8>, String> {
-    let header = header(scene, rate_hz)?;
     let read = Scene::read(scene).map_err(|error| error.to_string())?;
-    let mut engine = read.engine().map_err(|error| error.to_string())?;
+    let begin = begin(&Tuning::of(read.setup().baked()));
+    let ticks = rows.iter().map(|row| tick(row, rows, rate_hz).map(Record::Tick));
+    answer(scene, rate_hz, begin.into_iter().map(Ok).chain(ticks), |_, _| ())
+}
+
+/// What a session whose poses are in the world begins with.
+pub fn begin(tuning: &Tuning) -> [Record<'static>; 3] {
+    let place = Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] };
+    [Record::Tuning(*tuning), Record::Place(place), Record::Rest]
+}
+
+/// Records what is asked for on the file of a baked scene: ticks with the engine's answers, everything else as it is. `heard` is told each answer, and the
+/// engine it came from.
+///
+/// # Errors
+/// In words, what of scene or records cannot be recorded.
+pub fn answer(
+    scene: &[u8],
+    rate_hz: u32,
+    asked: impl IntoIterator<Item = Result<Record<'static>, String>>,
+    mut heard: impl FnMut(&TickRecord, &Engine<'_>),
+) -> Result<Vec<u8>, String> {
+    let header = header(scene, rate_hz)?;
+    let mut engine = Scene::read(scene).and_then(|read| read.engine()).map_err(|error| error.to_string())?;
     let mut follower = Follower::new(&header);
     let mut sheet = Sheet { frames: Vec::new() };
     sheet.add(&Record::Header(header))?;
     Chunk::of(TOOL_TABLE.as_bytes()).try_for_each(|chunk| sheet.add(&Record::Schema(chunk)))?;
     Chunk::of(scene).try_for_each(|chunk| sheet.add(&Record::Scene(chunk)))?;
-    // a trajectory's poses are in the world
-    let place = Place { p_wd: [0.0; 3], q_wd: [1.0, 0.0, 0.0, 0.0] };
-    for record in [Record::Tuning(Tuning::of(read.setup().baked())), Record::Place(place), Record::Rest] {
-        engine.with(|engine| follower.take(engine, &record));
-        sheet.add(&record)?;
-    }
     let mut summary = Summary::default();
-    for row in rows {
-        let asked = tick(row, rows, rate_hz)?;
-        let Step::Felt(felt, _) = engine.with(|engine| follower.take(engine, &Record::Tick(asked))) else {
-            return Err(format!("the pose at t = {} is none", row.written_t));
-        };
-        let ticked = answered(&asked, &felt);
-        sheet.add(&Record::Tick(ticked))?;
-        sum_up(&mut summary, &ticked);
+    for record in asked {
+        let record = record?;
+        let step = engine.with(|engine| follower.take(engine, &record));
+        match (&record, step) {
+            (Record::Tick(asked), Step::Felt(felt, _)) => {
+                let ticked = answered(asked, &felt);
+                sheet.add(&Record::Tick(ticked))?;
+                sum_up(&mut summary, &ticked);
+                heard(&ticked, engine.get());
+            }
+            (Record::Tick(asked), _) => return Err(format!("the pose of tick {} is none", asked.tick)),
+            _ => sheet.add(&record)?,
+        }
     }
     sheet.add(&Record::End(summary))?;
     Ok(sheet.frames)

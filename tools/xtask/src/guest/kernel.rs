@@ -31,15 +31,25 @@ pub fn fetch(folder: &Path) -> Result<Kernel> {
     if let Some(kernel) = found(&unpacked) {
         return Ok(kernel);
     }
-    let answer = ask("apt-cache", &["depends", NEWEST]).context("apt-cache is missing: this needs Debian or one of its kind")?;
-    let package = answer.lines().find_map(|line| line.trim().strip_prefix("Depends: "));
-    let package = package.with_context(|| format!("apt-cache knows no {NEWEST}: apt-get update?"))?;
-    // the sandbox of apt may not write here; what it says of that is no error
-    run::run(Command::new("apt-get").args(["download", "-o", "APT::Sandbox::User=root", package]).current_dir(folder))?;
-    let file = deb(folder, package)?;
+    let package = download(folder).or_else(|_| {
+        // lists that are missing, or name a kernel that Debian has replaced since
+        run::run(Command::new("apt-get").arg("update"))?;
+        download(folder)
+    })?;
+    let file = deb(folder, &package)?;
     unpack(&file, &unpacked)?;
     fs::remove_file(&file).with_context(|| format!("{}", file.display()))?;
     found(&unpacked).with_context(|| format!("{package} holds no kernel with virtual USB"))
+}
+
+/// Downloads the package into `folder`; its name.
+fn download(folder: &Path) -> Result<String> {
+    let answer = ask("apt-cache", &["depends", NEWEST]).context("apt-cache is missing: this needs Debian or one of its kind")?;
+    let package = answer.lines().find_map(|line| line.trim().strip_prefix("Depends: "));
+    let package = package.with_context(|| format!("apt-cache knows no {NEWEST}"))?;
+    // the sandbox of apt may not write here; what it says of that is no error
+    run::run(Command::new("apt-get").args(["download", "-o", "APT::Sandbox::User=root", package]).current_dir(folder))?;
+    Ok(package.to_owned())
 }
 
 fn deb(folder: &Path, package: &str) -> Result<PathBuf> {

@@ -1,79 +1,81 @@
-//! Which cells of a window lie in the contact, and what load each carries.
+//! Which places of a grid lie in the contact, and what load each of their cells carries.
 
 use crate::math::{ln, min, root};
 use crate::profile::{FULLNESS_CONE, FULLNESS_HERTZ, FULLNESS_PUNCH};
 use crate::tier::Hold;
+use crate::tier::influence::mirror::{IMAGES, ORDER, PLACES, Place};
 
-/// Midpoints along a cell's edge that its load is summed from: 16 per cell put the rim cells within 2 % and the rest within 0.1 %.
+/// Midpoints along the edge of a cell at the rim or in a cone's middle that its load is summed from: 16 per cell are good to 2 %.
 const POINTS: usize = 4;
+
+/// Gauss's two points on -1/2..1/2: in the smooth part of the pressure four per cell are good to 0.1 %.
+const GAUSS_2: [f32; 2] = [-0.288_675_13, 0.288_675_13];
+
+/// Square of the farthest corner, in contact radii, up to which the pressure counts as smooth.
+const SMOOTH: f32 = 0.8;
 
 /// Distance of a cell's centre from the rim, in cell widths, from which on it carries its whole load: nearer, it enters or leaves the contact by and by.
 const ENTERING: f32 = 0.25;
 
-/// The cells of a window, row by row.
+/// The cells in contact.
 #[derive(Clone, Debug)]
-pub struct Cells<const W: usize> {
-    /// Normal load \[N\]; 0 outside the contact.
-    pub load: [[f32; W]; W],
+pub struct Cells {
+    /// Places in contact: the first ones.
+    pub count: usize,
+    /// Normal load of each of a place's cells \[N\]; 0 outside the contact.
+    pub load: [f32; PLACES],
     /// Factor on the places of cells as arms of a twist, so that the torque of full slip is exact.
     pub arm: f32,
 }
 
-impl<const W: usize> Cells<W> {
-    /// Cells of `width` \[m\] under the load of `hold`. A cell is in contact when its centre is, with less than its load next to the rim.
-    pub fn new(hold: &Hold, width: f32) -> Self {
-        let mut load = [[0.0; W]; W];
-        let (mut total, mut torque) = (0.0, 0.0);
-        let half = W / 2;
+impl Cells {
+    /// Cells of `width` \[m\] under the load of `hold`, at most `most` places. A cell is in contact when its centre is, with less than its load
+    /// next to the rim.
+    pub fn new(hold: &Hold, width: f32, most: usize) -> Self {
         let step = width / hold.radius;
-        for j in 0..half {
-            for i in 0..=j {
-                let (x, y) = (step * (i as f32 + 0.5), step * (j as f32 + 0.5));
-                let r2 = x * x + y * y;
-                if r2 >= 1.0 {
-                    break;
-                }
-                let entering = min((1.0 - root(r2)) / (ENTERING * step), 1.0);
-                let share = around(hold.profile.fullness(), x, y, step) * entering;
-                let copies = if i == j { 4.0 } else { 8.0 };
-                total += copies * share;
-                torque += copies * share * root(r2);
-                spread(&mut load, half, i, j, share);
+        let mut cells = Self { count: reached(1.0 / step, most), load: [0.0; PLACES], arm: 1.0 };
+        let (mut total, mut torque) = (0.0, 0.0);
+        let mut last = 0.0;
+        for (place, load) in ORDER.iter().zip(&mut cells.load).take(cells.count) {
+            let r = step * root(place.distance2());
+            // the image in the diagonal comes next and is the same
+            if place.column <= place.row {
+                last = around(hold.profile.fullness(), *place, step) * min((1.0 - r) / (ENTERING * step), 1.0);
             }
+            *load = last;
+            total += last;
+            torque += last * r;
         }
-        let scale = hold.load / total;
-        load.as_flattened_mut().iter_mut().for_each(|cell| *cell *= scale);
-        Self { load, arm: hold.profile.full_slip_torque() * total / torque }
+        let scale = hold.load / (IMAGES as f32 * total);
+        cells.load.iter_mut().take(cells.count).for_each(|cell| *cell *= scale);
+        cells.arm = hold.profile.full_slip_torque() * total / torque;
+        cells
     }
 }
 
-/// The eight cells that mirror (i, j).
-fn spread<const W: usize>(load: &mut [[f32; W]; W], half: usize, i: usize, j: usize, value: f32) {
-    let (left, right, low, high) = (half - 1 - i, half + i, half - 1 - j, half + j);
-    for column in [left, right] {
-        for row in [low, high] {
-            load[row][column] = value;
-            load[column][row] = value;
-        }
-    }
+/// Places whose centres lie within `reach` cell widths, at most `most`.
+pub fn reached(reach: f32, most: usize) -> usize {
+    ORDER.iter().take(most).take_while(|place| place.distance2() < reach * reach).count()
 }
 
-/// Load of the square cell of edge `step` about (x, y), up to a factor common to all cells; lengths in contact radii.
-fn around(fullness: f32, x: f32, y: f32, step: f32) -> f32 {
-    let part = step / POINTS as f32;
-    let at = |k: usize| (k as f32 + 0.5) * part - 0.5 * step;
-    let mut sum = 0.0;
-    for i in 0..POINTS {
-        for j in 0..POINTS {
-            let (px, py) = (x + at(i), y + at(j));
-            sum += pressure(fullness, px * px + py * py);
-        }
-    }
-    sum
+/// Load of a square cell of edge `step`, up to a factor common to all cells; lengths in contact radii.
+fn around(fullness: f32, place: Place, step: f32) -> f32 {
+    let (x, y) = place.centre();
+    let (far_x, far_y) = (step * (x + 0.5), step * (y + 0.5));
+    let smooth = far_x * far_x + far_y * far_y < SMOOTH && (place != ORDER[0] || fullness >= FULLNESS_HERTZ);
+    let sum = |points: &[f32]| {
+        let across = |px: f32| points.iter().map(|py| pressure(fullness, px, step * (y + py))).sum::<f32>();
+        points.iter().map(|px| across(step * (x + px))).sum::<f32>() / (points.len() * points.len()) as f32
+    };
+    if smooth { sum(&GAUSS_2) } else { sum(&MIDPOINTS) }
 }
 
-/// Pressure over P/(pi a^2) at the square of r/a: the mixture of cone, paraboloid and punch of the profile's fullness.
-fn pressure(fullness: f32, q2: f32) -> f32 {
+/// Midpoints of `POINTS` parts of -1/2..1/2.
+const MIDPOINTS: [f32; POINTS] = [-0.375, -0.125, 0.125, 0.375];
+
+/// Pressure over P/(pi a^2) at (x, y), in contact radii: the mixture of cone, paraboloid and punch of the profile's fullness.
+fn pressure(fullness: f32, x: f32, y: f32) -> f32 {
+    let q2 = x * x + y * y;
     if q2 >= 1.0 {
         return 0.0;
     }

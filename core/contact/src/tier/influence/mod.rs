@@ -3,11 +3,12 @@
 //! **Words.** *Cell*: a square of the contact with uniform tangential traction. *Influence*: displacement of one cell per force on another, of the
 //! elastic half space (Cerruti). *Sweep*: one visit of every cell. *Lack*: displacement a cell would still need in order not to have
 //! slipped. Unlike bristles, cells know each other, so that what one sheds its neighbours take over where elasticity says so. The work
-//! is fixed: `sweeps` times cells times cells, from the tractions of the last tick (theory.md, section 6.4).
+//! is bounded: `sweeps` + 1 times a quarter of the cells squared, from the tractions of the last tick (theory.md, section 6.4).
 
 pub mod cells;
 pub mod grid;
-pub mod kernel;
+pub mod mirror;
+pub mod share;
 pub mod solve;
 pub mod table;
 
@@ -77,30 +78,16 @@ pub fn advance(hold: &Hold, material: &Material, layout: &Layout, sweeps: usize,
     patch.cells.fit(layout, hold.radius, &patch.grip, cells);
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
     if kept < 1.0 {
-        cells.force.iter_mut().for_each(|cell| cell.force *= kept);
+        cells.force.iter_mut().take(layout.slots()).for_each(|cell| cell.force *= kept);
     }
     // traction that left with the rolling material is gone for the contact; only the body springs back by it
     let (left_force, left_torque) = (patch.grip.force * (1.0 - kept), patch.grip.torque * (1.0 - kept));
     let wanted = hold.wanted + Shift { drag: left_force * hold.body.drag, twist: left_torque * hold.body.twist };
     let elastic = Elastic::new(hold, material);
-    // the smallest window that holds every cell in contact now and in the last tick
-    let reach = max(hold.radius, patch.cells.radius) / patch.cells.width;
-    patch.grip = if reach <= REACH_OF_8 {
-        solve::shift::<8>(hold, &elastic, layout, &patch.cells, sweeps, wanted, cells)
-    } else if reach <= REACH_OF_12 {
-        solve::shift::<12>(hold, &elastic, layout, &patch.cells, sweeps, wanted, cells)
-    } else {
-        solve::shift::<16>(hold, &elastic, layout, &patch.cells, sweeps, wanted, cells)
-    };
+    patch.grip = solve::shift(hold, &elastic, layout, &patch.cells, sweeps, wanted, cells);
     (patch.cells.radius, patch.cells.wanted) = (hold.radius, wanted);
     patch.pending = Shift::default();
 }
-
-/// Farthest a contact may reach, in cell widths, without a cell whose centre lies outside a window of 8: that cell is centred at (4.5, 0.5).
-const REACH_OF_8: f32 = 4.5;
-
-/// The same for a window of 12.
-const REACH_OF_12: f32 = 6.5;
 
 fn let_go(patch: &mut Patch, cells: &mut Stored<'_>) {
     patch.cells = Grid::default();

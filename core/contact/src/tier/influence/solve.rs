@@ -1,8 +1,8 @@
-//! The sweeps: block Gauss-Seidel over the cells with Coulomb's cap, spreading every change to all cells at once.
+//! The sweeps: block Gauss-Seidel over the places with Coulomb's cap at each cell, on the changes of this tick.
 //!
 //! Each cell lacks a displacement: the shift of this tick less what the changes of all tractions have moved the surface there. Visiting
-//! a cell, its traction changes so that the lack vanishes, but not beyond the cap; the change then moves every other cell. A cell's own
-//! influence is the same in every direction, so that the cut to the cap is the exact answer of the cell's own friction problem.
+//! a place, the tractions of its four cells change so that the lack vanishes, but not beyond their caps. A cell's own influence is the same
+//! in every direction, so that the cut to the cap is the exact answer of the cell's own friction problem.
 
 use glam::Vec2;
 
@@ -10,9 +10,10 @@ use crate::math::{PI, clamp, max, min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::Bristle;
-use crate::tier::influence::cells::Cells;
+use crate::tier::influence::cells::{Cells, reached};
 use crate::tier::influence::grid::{Grid, Layout};
-use crate::tier::influence::kernel::Kernel;
+use crate::tier::influence::mirror::{IMAGES, Lanes, ORDER, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
+use crate::tier::influence::table::ALONG;
 use crate::tier::influence::{Elastic, Stored, Trace};
 
 /// Part of the way to a cell's own answer that a visit goes. The whole way is too far: the cells not yet visited will take over most of the
@@ -22,32 +23,59 @@ const RELAXATION: f32 = 0.4;
 /// Most times the last tick's changes are repeated: beyond it a hand's next step has little to do with its last.
 const MOST_LIKE: f32 = 2.0;
 
-/// Components of a vector per cell, apart so that rows are read and written in one go.
-type Plane<const W: usize> = [[f32; W]; W];
+/// A vector per image, or per class: its x and its y.
+type Vectors = (Lanes, Lanes);
+
+/// A place being solved.
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    /// Centre as the arm of a twist \[m\].
+    arm: Vec2,
+    /// Force per lack that a visit applies \[N/m\].
+    step: f32,
+    /// Normal load of a cell \[N\].
+    load: f32,
+    /// What the cells hold, and held before \[N\].
+    force: Vectors,
+    before: Vectors,
+    /// Most that they can hold \[N\].
+    cap: Lanes,
+    /// Distances slipped \[m\].
+    slipped: Lanes,
+    /// What they lacked before this tick's shift \[m\].
+    lack: Vectors,
+}
+
+/// What a place's change of force moves others by, by class: times the kernel's parts. \[m\]
+#[derive(Clone, Copy, Debug, Default)]
+struct Pull {
+    round: Vectors,
+    long: Vectors,
+    /// `long` in the opposite order of classes.
+    cross: Vectors,
+}
 
 /// A patch being solved.
 #[derive(Debug)]
-struct Work<'a, const W: usize> {
+struct Work<'a> {
     hold: &'a Hold,
     elastic: &'a Elastic,
-    kernel: Kernel<W>,
-    cells: Cells<W>,
     /// Width of a cell \[m\].
     width: f32,
-    /// Displacement per force of the kernel's unit \[m/N\].
-    scale: f32,
+    /// Displacement per force of the round and the long part, over the images \[m/N\].
+    scale: (f32, f32),
     /// Stiffness by which a slip is told from what the cap cut off \[N/m\].
     slope: f32,
-    /// Forces \[N\] and lacks \[m\].
-    force: (Plane<W>, Plane<W>),
-    lack: (Plane<W>, Plane<W>),
-    slipped: Plane<W>,
-    /// What body and correction have yielded since the tick began.
-    yielded: Shift,
+    /// The shift, less what body and correction have yielded since the tick began.
+    common: Shift,
 }
 
-/// Shifts the patch by `wanted` and returns its new grip; `W` cells square about the centre is what is looked at of the grid.
-pub fn shift<const W: usize>(
+/// The places that hold or held a force: the first ones of the order.
+type Sites = heapless::Vec<Site, PLACES>;
+type Pulls = heapless::Vec<Pull, PLACES>;
+
+/// Shifts the patch by `wanted` and returns its new grip.
+pub fn shift(
     hold: &Hold,
     elastic: &Elastic,
     layout: &Layout,
@@ -56,17 +84,20 @@ pub fn shift<const W: usize>(
     wanted: Shift,
     stored: &mut Stored<'_>,
 ) -> Grip {
-    let mut work = Work::<W>::new(hold, elastic, grid);
-    work.load(layout, wanted, stored);
-    work.guess(layout, likeness(&grid.wanted, &wanted, hold.radius), stored);
-    for sweep in 0..sweeps {
-        for k in 0..W * W {
-            // to and fro, so that no side of the patch is always first
-            let k = if sweep % 2 == 0 { k } else { W * W - 1 - k };
-            work.visit(k / W, k % W);
+    let cells = Cells::new(hold, grid.width, layout.places());
+    let left = reached(grid.radius / grid.width, layout.places());
+    let held = if left > cells.count { left } else { cells.count };
+    let mut work = Work::new(hold, elastic, grid.width, wanted);
+    let (mut sites, mut pulls) = (Sites::new(), Pulls::new());
+    work.load(&cells, held, stored, &mut sites);
+    work.guess(likeness(&grid.wanted, &wanted, hold.radius), stored, &mut sites, &mut pulls);
+    for _ in 0..sweeps {
+        // from the middle to the rim, so that no side is first
+        for k in 0..cells.count {
+            work.visit(k, &mut sites, &mut pulls);
         }
     }
-    work.store(layout, stored)
+    work.store(cells.count, &sites, &pulls, stored)
 }
 
 /// How many times the last shift this one is, as far as it goes the same way; displacements are compared at the rim of radius `a`.
@@ -76,169 +107,170 @@ fn likeness(last: &Shift, now: &Shift, a: f32) -> f32 {
     if size > 0.0 { clamp(same / size, -MOST_LIKE, MOST_LIKE) } else { 0.0 }
 }
 
-impl<'a, const W: usize> Work<'a, W> {
-    fn new(hold: &'a Hold, elastic: &'a Elastic, grid: &Grid) -> Self {
-        let cells = Cells::<W>::new(hold, grid.width);
-        let share = grid.width * grid.width / (PI * hold.radius * hold.radius);
-        Self {
-            hold,
-            elastic,
-            kernel: Kernel::new(elastic.poisson_ratio),
-            cells,
-            width: grid.width,
-            scale: 1.0 / (2.0 * PI * elastic.shear_modulus * grid.width),
-            slope: hold.drag_stiffness * share,
-            force: ([[0.0; W]; W], [[0.0; W]; W]),
-            lack: ([[0.0; W]; W], [[0.0; W]; W]),
-            slipped: [[0.0; W]; W],
-            yielded: Shift::default(),
-        }
+impl<'a> Work<'a> {
+    fn new(hold: &'a Hold, elastic: &'a Elastic, width: f32, wanted: Shift) -> Self {
+        let unit = 1.0 / (2.0 * PI * elastic.shear_modulus * width);
+        let long = 0.5 * elastic.poisson_ratio;
+        let scale = ((1.0 - long) * unit / IMAGES as f32, long * unit / IMAGES as f32);
+        let slope = hold.drag_stiffness * width * width / (PI * hold.radius * hold.radius);
+        Self { hold, elastic, width, scale, slope, common: wanted }
     }
 
-    /// Takes the cells from the state and adds this tick's shift to what they lack.
-    fn load(&mut self, layout: &Layout, wanted: Shift, stored: &Stored<'_>) {
-        for row in 0..W {
-            for column in 0..W {
-                let Some((cell, trace)) = kept::<W>(layout, stored, row, column) else { continue };
-                let lack = trace.lack + wanted.drag + self.arm(row, column).perp() * wanted.twist;
-                (self.force.0[row][column], self.force.1[row][column]) = (cell.force.x, cell.force.y);
-                (self.lack.0[row][column], self.lack.1[row][column]) = (lack.x, lack.y);
-                self.slipped[row][column] = cell.slipped;
-            }
+    /// Takes the first `held` places from the state.
+    fn load(&self, cells: &Cells, held: usize, stored: &Stored<'_>, sites: &mut Sites) {
+        // influence of a cell on itself
+        let own = ALONG[0][0] * 2.0 * IMAGES as f32 * self.scale.0;
+        let kept = stored.force.as_chunks::<IMAGES>().0.iter().zip(stored.trace.as_chunks::<IMAGES>().0);
+        for (((bristles, traces), place), &load) in kept.zip(&ORDER).zip(&cells.load).take(held) {
+            let (x, y) = place.centre();
+            let arm = Vec2::new(x, y) * (self.width * cells.arm);
+            let common = self.elastic.common.drag + self.elastic.common.twist * arm.length_squared();
+            let force = lanes(bristles.map(|cell| cell.force));
+            let slipped = Lanes(bristles.map(|cell| cell.slipped));
+            let site = Site {
+                arm,
+                step: RELAXATION / (own + common),
+                load,
+                force,
+                before: force,
+                cap: Lanes(slipped.0.map(|slipped| friction(self.hold, self.slope, load, slipped) * load)),
+                slipped,
+                lack: lanes(traces.map(|trace| trace.lack)),
+            };
+            let _ = sites.push(site);
         }
     }
 
     /// Repeats the changes of the last tick `times`: most motions go on as they went.
-    fn guess(&mut self, layout: &Layout, times: f32, stored: &Stored<'_>) {
-        if times == 0.0 {
-            return;
-        }
-        for row in 0..W {
-            for column in 0..W {
-                if let Some((_, trace)) = kept::<W>(layout, stored, row, column) {
-                    self.change(row, column, trace.change * times);
-                }
-            }
+    fn guess(&mut self, times: f32, stored: &Stored<'_>, sites: &mut Sites, pulls: &mut Pulls) {
+        for (site, traces) in sites.iter_mut().zip(stored.trace.as_chunks::<IMAGES>().0) {
+            let change = lanes(traces.map(|trace| trace.change));
+            let mut pull = Pull::default();
+            self.take(site, &mut pull, (site.force.0 + change.0 * times, site.force.1 + change.1 * times));
+            let _ = pulls.push(pull);
         }
     }
 
-    /// Arm of a cell's force about the centre \[m\].
-    fn arm(&self, row: usize, column: usize) -> Vec2 {
-        let at = |k: usize| (k as f32 + 0.5 - 0.5 * W as f32) * self.width * self.cells.arm;
-        Vec2::new(at(column), at(row))
-    }
-
-    /// What a cell lacks after all have yielded together.
-    fn lack_at(&self, row: usize, column: usize) -> Vec2 {
-        let local = Vec2::new(self.lack.0[row][column], self.lack.1[row][column]);
-        local - self.yielded.drag - self.arm(row, column).perp() * self.yielded.twist
-    }
-
-    /// Takes the cell part of the way to where it lacks nothing.
-    fn visit(&mut self, row: usize, column: usize) {
-        let idle = self.cells.load[row][column] <= 0.0 && self.force.0[row][column] == 0.0 && self.force.1[row][column] == 0.0;
-        if idle {
-            return;
-        }
-        let common = self.elastic.common.drag + self.elastic.common.twist * self.arm(row, column).length_squared();
-        let stiffness = 1.0 / (self.kernel.own() * self.scale + common);
-        self.change(row, column, self.lack_at(row, column) * (RELAXATION * stiffness));
-    }
-
-    /// Changes the cell's force by `wanted` as far as friction allows, and moves the surface by it.
-    fn change(&mut self, row: usize, column: usize, wanted: Vec2) {
-        let load = self.cells.load[row][column];
-        let old = Vec2::new(self.force.0[row][column], self.force.1[row][column]);
-        let trial = old + wanted;
-        let cap = self.friction(row, column) * load;
-        let size2 = trial.length_squared();
-        let new = if size2 <= cap * cap { trial } else { trial * (self.cut(row, column, cap) / root(size2)) };
-        let change = new - old;
-        if change == Vec2::ZERO {
-            return;
-        }
-        (self.force.0[row][column], self.force.1[row][column]) = (new.x, new.y);
-        self.yielded.drag += change * self.elastic.common.drag;
-        self.yielded.twist += self.arm(row, column).perp_dot(change) * self.elastic.common.twist;
-        self.spread(row, column, change * self.scale);
-    }
-
-    /// What a cell holds that has come to its cap: it has left stick, and meets the dynamic cap at once where breakaway is sharp.
-    fn cut(&mut self, row: usize, column: usize, cap: f32) -> f32 {
-        let slipped = &mut self.slipped[row][column];
-        *slipped = max(*slipped, LEAST_SLIP);
-        if self.hold.sharp { self.hold.mu_d * self.cells.load[row][column] } else { cap }
-    }
-
-    /// Takes what `change` of the cell moves every cell from what they lack.
-    fn spread(&mut self, row: usize, column: usize, change: Vec2) {
-        for (j, (x, y)) in self.lack.0.iter_mut().zip(&mut self.lack.1).enumerate() {
-            let kernel = self.kernel.rows(j.abs_diff(row), column);
-            let mixed = if j < row { -change } else { change };
-            for i in 0..W {
-                x[i] -= kernel.xx[i] * change.x + kernel.xy[i] * mixed.y;
-                y[i] -= kernel.xy[i] * mixed.x + kernel.yy[i] * change.y;
-            }
+    /// Takes the cells of place `k` part of the way to where they lack nothing.
+    fn visit(&mut self, k: usize, sites: &mut Sites, pulls: &mut Pulls) {
+        let (Some(site), Some(row)) = (sites.get_mut(k), PAIRS.get(k)) else { return };
+        let lack = self.lack(site, row, pulls);
+        let trial = (site.force.0 + lack.0 * site.step, site.force.1 + lack.1 * site.step);
+        if let Some(pull) = pulls.get_mut(k) {
+            self.take(site, pull, trial);
         }
     }
 
-    /// Friction of a cell that slipped: dynamic at once when sharp, else falling over a length on which the cell would shed
-    /// twice the difference, so that nothing snaps.
-    fn friction(&self, row: usize, column: usize) -> f32 {
-        let excess = self.hold.mu_s - self.hold.mu_d;
-        let slipped = self.slipped[row][column];
-        if excess <= 0.0 || slipped <= 0.0 {
-            return self.hold.mu_s;
-        }
-        if self.hold.sharp {
-            return self.hold.mu_d;
-        }
-        let fall = 2.0 * excess * self.cells.load[row][column] / self.slope;
-        self.hold.mu_s - excess * min(slipped / fall, 1.0)
+    /// What the cells of a place lack by now.
+    fn lack(&self, site: &Site, row: &[Pair; PLACES], pulls: &[Pull]) -> Vectors {
+        let moved = moved(row, pulls);
+        let turned = site.arm * self.common.twist;
+        let x = site.lack.0 + Lanes::splat(self.common.drag.x) - SIGN_Y * turned.y;
+        let y = site.lack.1 + Lanes::splat(self.common.drag.y) + SIGN_X * turned.x;
+        (x - moved.0.crossed(), y - moved.1.crossed())
     }
 
-    /// Gives the cells back to the state and sums them.
-    fn store(&self, layout: &Layout, stored: &mut Stored<'_>) -> Grip {
+    /// Sets the forces of a place to `trial` as far as friction allows, and counts what that changes.
+    fn take(&mut self, site: &mut Site, pull: &mut Pull, trial: Vectors) {
+        let new = cut(self.hold, site, trial);
+        let (x, y) = ((new.0 - site.force.0).crossed(), (new.1 - site.force.1).crossed());
+        site.force = new;
+        pull.round = (pull.round.0 + x * self.scale.0, pull.round.1 + y * self.scale.0);
+        pull.long = (pull.long.0 + x * self.scale.1, pull.long.1 + y * self.scale.1);
+        pull.cross = (pull.long.0.opposite(), pull.long.1.opposite());
+        // sums over the images, of which the first class is that of the forces, and the odd ones those of the arms
+        let torque = site.arm.x * y.0[1] - site.arm.y * x.0[2];
+        self.common.drag -= Vec2::new(x.0[0], y.0[0]) * self.elastic.common.drag;
+        self.common.twist -= torque * self.elastic.common.twist;
+    }
+
+    /// Gives the places back to the state, the first `count` of them in contact, and sums these.
+    fn store(&self, count: usize, sites: &Sites, pulls: &Pulls, stored: &mut Stored<'_>) -> Grip {
         let mut grip = Grip::default();
-        let (mut stuck, mut touching) = (0.0, 0.0);
-        for row in 0..W {
-            for column in 0..W {
-                let Some(slot) = slot::<W>(layout, row, column) else { continue };
-                let (Some(cell), Some(trace)) = (stored.force.get_mut(slot), stored.trace.get_mut(slot)) else { continue };
-                if self.cells.load[row][column] <= 0.0 {
-                    (*cell, *trace) = (Bristle::default(), Trace::default());
-                    continue;
-                }
-                let force = Vec2::new(self.force.0[row][column], self.force.1[row][column]);
-                let slides = self.slides(row, column, force);
-                let lack = self.lack_at(row, column);
-                *trace = Trace { lack: if slides { Vec2::ZERO } else { lack }, change: force - cell.force };
-                *cell = Bristle { force, slipped: self.slip(row, column, slides, lack, force) };
+        let mut stuck = 0.0;
+        let kept = stored.force.as_chunks_mut::<IMAGES>().0.iter_mut().zip(stored.trace.as_chunks_mut::<IMAGES>().0);
+        for (k, ((cells, traces), (site, row))) in kept.zip(sites.iter().zip(&PAIRS)).enumerate() {
+            if k >= count {
+                cells.fill(Bristle::default());
+                traces.fill(Trace::default());
+                continue;
+            }
+            let lacks = self.lack(site, row, pulls);
+            for (image, (cell, trace)) in cells.iter_mut().zip(traces).enumerate() {
+                let [force, before, lack] = [site.force, site.before, lacks].map(|of| Vec2::new(of.0.0[image], of.1.0[image]));
+                let slides = slides(site, image, force);
+                *trace = Trace { lack: if slides { Vec2::ZERO } else { lack }, change: force - before };
+                *cell = Bristle { force, slipped: slip(self.hold, site, image, slides, lack, force) };
                 grip.force += force;
-                grip.torque += self.arm(row, column).perp_dot(force);
-                touching += 1.0;
+                grip.torque += Vec2::new(site.arm.x * SIGN_X.0[image], site.arm.y * SIGN_Y.0[image]).perp_dot(force);
                 stuck += if slides { 0.0 } else { 1.0 };
             }
         }
-        grip.stick = if touching > 0.0 { stuck / touching } else { 0.0 };
+        grip.stick = if count > 0 { stuck / (IMAGES * count) as f32 } else { 0.0 };
         grip
     }
+}
 
-    fn slides(&self, row: usize, column: usize, force: Vec2) -> bool {
-        let cap = self.friction(row, column) * self.cells.load[row][column];
-        force.length_squared() >= cap * cap * ON_CAP
+/// Vectors of the images as lanes.
+fn lanes(vectors: [Vec2; IMAGES]) -> Vectors {
+    (Lanes(vectors.map(|v| v.x)), Lanes(vectors.map(|v| v.y)))
+}
+
+/// How the changes of all places move one, by class. A function of its own: inlined, the compiler turns the lanes about in every round.
+#[inline(never)]
+fn moved(row: &[Pair; PLACES], pulls: &[Pull]) -> Vectors {
+    let (mut x, mut y) = (Lanes::default(), Lanes::default());
+    for (pair, pull) in row.iter().zip(pulls) {
+        x = x + pair.round * pull.round.0 + pair.long * pull.long.0 + pair.cross * pull.cross.1;
+        y = y + pair.round * pull.round.1 - pair.long * pull.long.1 + pair.cross * pull.cross.0;
     }
+    (x, y)
+}
 
-    /// Distance slipped since stick was left; back to 0 when the cell sticks below the dynamic cap.
-    fn slip(&self, row: usize, column: usize, slides: bool, lack: Vec2, force: Vec2) -> f32 {
-        let before = self.slipped[row][column];
-        if slides {
-            let slipped = before + root(lack.length_squared());
-            return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
+/// The forces that friction leaves of `trial`. What has come to its cap has left stick, and meets the dynamic cap at once where breakaway is sharp.
+fn cut(hold: &Hold, site: &mut Site, trial: Vectors) -> Vectors {
+    let size2 = trial.0 * trial.0 + trial.1 * trial.1;
+    let cap2 = site.cap * site.cap;
+    let mut left = Lanes::splat(1.0);
+    for image in 0..IMAGES {
+        if size2.0[image] > cap2.0[image] {
+            let cap = if hold.sharp { hold.mu_d * site.load } else { site.cap.0[image] };
+            site.slipped.0[image] = max(site.slipped.0[image], LEAST_SLIP);
+            site.cap.0[image] = cap;
+            left.0[image] = cap / root(size2.0[image]);
         }
-        let dynamic = self.hold.mu_d * self.cells.load[row][column];
-        if before > 0.0 && force.length_squared() < dynamic * dynamic { 0.0 } else { before }
     }
+    (trial.0 * left, trial.1 * left)
+}
+
+/// Friction of a cell that slipped: dynamic at once when sharp, else falling over a length on which the cell would shed twice the difference,
+/// so that nothing snaps.
+fn friction(hold: &Hold, slope: f32, load: f32, slipped: f32) -> f32 {
+    let excess = hold.mu_s - hold.mu_d;
+    if excess <= 0.0 || slipped <= 0.0 {
+        return hold.mu_s;
+    }
+    if hold.sharp {
+        return hold.mu_d;
+    }
+    let fall = 2.0 * excess * load / slope;
+    hold.mu_s - excess * min(slipped / fall, 1.0)
+}
+
+fn slides(site: &Site, image: usize, force: Vec2) -> bool {
+    let cap = site.cap.0[image];
+    force.length_squared() >= cap * cap * ON_CAP
+}
+
+/// Distance slipped since stick was left; back to 0 when the cell sticks below the dynamic cap.
+fn slip(hold: &Hold, site: &Site, image: usize, slides: bool, lack: Vec2, force: Vec2) -> f32 {
+    let before = site.slipped.0[image];
+    if slides {
+        let slipped = before + root(lack.length_squared());
+        return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
+    }
+    let dynamic = hold.mu_d * site.load;
+    if before > 0.0 && force.length_squared() < dynamic * dynamic { 0.0 } else { before }
 }
 
 /// Square of the share of the cap above which a cell counts as sliding: rounding of the cut.
@@ -246,15 +278,3 @@ const ON_CAP: f32 = 0.999_99;
 
 /// A cell that has left stick is marked by a slip above zero, however small the step was \[m\].
 const LEAST_SLIP: f32 = 1.0e-12;
-
-/// What the state keeps of a place of the window.
-fn kept<const W: usize>(layout: &Layout, stored: &Stored<'_>, row: usize, column: usize) -> Option<(Bristle, Trace)> {
-    let slot = slot::<W>(layout, row, column)?;
-    Some((*stored.force.get(slot)?, *stored.trace.get(slot)?))
-}
-
-/// Slot of the state for a place of the window, if it is kept.
-fn slot<const W: usize>(layout: &Layout, row: usize, column: usize) -> Option<usize> {
-    let at = |k: usize| (k + layout.side / 2).checked_sub(W / 2).filter(|&k| k < layout.side);
-    Some(at(row)? * layout.side + at(column)?)
-}

@@ -1,9 +1,9 @@
 //! Histories in which the load changes while the probe is dragged and twisted: what is shed, what is kept, what enters free.
 //!
 //! A sphere of small strain: the contact radius a goes as the root of the depth and the load as its cube. Radii are told in the largest
-//! one of the history; shifts, angles and answers in the units of the contact of that radius (`coulomb`).
+//! one of the history; shifts, angles and answers in the units of the contact of that radius (`led`).
 
-use super::coulomb::{Answer, Patch};
+use super::led::{Answer, Led};
 use super::paths::legs;
 use super::profile::Profile;
 use super::table::{SUBSTEPS, rounded};
@@ -108,18 +108,18 @@ phi0 = 9 pi mu P/(256 G a^2)). answer: Q_x, Q_y in its mu P, T in its T_max, tha
 /// Runs every history on `across` cells over the largest diameter and keeps `rows` rows of each.
 #[must_use]
 pub fn run(across: usize, rows: usize, progress: &mut dyn FnMut(&str)) -> Table {
-    let fresh = Patch::new(across, Profile::Hertz);
+    let fresh = Led::new(across, Profile::Hertz);
     let mut table = Table { note: NOTE, cells: fresh.cells(), substeps: SUBSTEPS, unconverged: 0, histories: Vec::new() };
     for history in HISTORIES {
         let mut patch = fresh.clone();
         table.histories.push(follow(history, &mut patch, rows));
-        table.unconverged += patch.unconverged;
-        progress(&format!("{} {} sweeps", history.name, patch.sweeps));
+        table.unconverged += patch.unconverged();
+        progress(&format!("{} {} sweeps", history.name, patch.sweeps()));
     }
     table
 }
 
-fn follow(history: &History, patch: &mut Patch, rows: usize) -> Row {
+fn follow(history: &History, patch: &mut Led, rows: usize) -> Row {
     let mut row = Row { name: history.name, state: vec![(history.at)(0.0)], answer: vec![[0.0; 3]] };
     let steps = rows * SUBSTEPS;
     for step in 1..=steps {
@@ -140,7 +140,7 @@ mod tests {
 
     fn answers(name: &str) -> Row {
         let history = HISTORIES.iter().find(|h| h.name == name).expect("a history of this name exists");
-        follow(history, &mut Patch::new(12, Profile::Hertz), 24)
+        follow(history, &mut Led::new(12, Profile::Hertz), 24)
     }
 
     #[test]

@@ -2,13 +2,8 @@
 //!
 //! A profile is told by its cumulative load L(q): the share of P carried within q = r/a. Units: a = 1, G = 1, mu P = 1.
 
-use super::half_space::{Grid, POISSON};
+use crate::lattice::Lattice;
 use std::f64::consts::PI;
-
-/// Shift at which a sphere's drag reaches full slip, s0 = 3 mu P (2 - nu)/(16 a G).
-pub const SHIFT_UNIT: f64 = 3.0 * (2.0 - POISSON) / 16.0;
-/// Angle unit phi0 = T_max / K_theta of the Hertz profile, 9 pi mu P / (256 G a^2).
-pub const ANGLE_UNIT: f64 = 9.0 * PI / 256.0;
 
 /// Points per cell edge used to integrate the load over a cell: 16 x 16 puts the rim cells' load within 0.1 %.
 const SUBDIVISIONS: usize = 16;
@@ -61,24 +56,22 @@ impl Profile {
         }
     }
 
-    /// Friction limit of every cell of `grid` as a traction; the limits times the cell area sum to 1.
-    #[must_use]
-    pub fn caps(self, grid: &Grid) -> Vec<f64> {
-        self.caps_of(grid, 1.0, 1.0)
-    }
-
-    /// The same for a contact of `radius` <= 1 that carries `load`, in the units of the full one.
+    /// Mean pressure of every cell of `lattice` for a contact of `radius` that carries `load`, scaled to carry it exactly; of the cells on the
+    /// lattice's own inscribed disc, which is `Lattice::over_disc`'s, no other touches.
     ///
     /// # Panics
     /// If `radius` is so small that no cell lies in the contact.
     #[must_use]
-    pub fn caps_of(self, grid: &Grid, radius: f64, load: f64) -> Vec<f64> {
-        let area = grid.edge * grid.edge;
-        let scaled = |c: &[f64; 2]| self.mean_pressure(c.map(|x| x / radius), grid.edge / radius);
-        let raw: Vec<f64> = grid.centres.iter().map(scaled).collect();
-        let total: f64 = raw.iter().sum::<f64>() * area;
+    pub fn pressures(self, lattice: &Lattice, radius: f64, load: f64) -> Vec<f64> {
+        let mut field = vec![0.0; lattice.len()];
+        let rim = 0.5 * lattice.columns as f64 * lattice.edge;
+        for (index, [x, y]) in lattice.cells().filter(|(_, [x, y])| x.hypot(*y) < rim) {
+            field[index] = self.mean_pressure([x / radius, y / radius], lattice.edge / radius);
+        }
+        let total: f64 = field.iter().sum::<f64>() * lattice.area();
         assert!(total > 0.0, "radius = {radius}, allowed: at least a cell");
-        raw.iter().map(|p| p * load / total).collect()
+        field.iter_mut().for_each(|p| *p *= load / total);
+        field
     }
 
     /// Mean pressure over a cell, by midpoints.
@@ -108,7 +101,7 @@ pub fn cattaneo(s: f64) -> f64 {
 pub fn lubkin(x: f64) -> f64 {
     /// Midpoints of the integral; its error is below 1e-5 of T_max.
     const POINTS: usize = 2000;
-    let phi = x * ANGLE_UNIT;
+    let phi = x * 9.0 * PI / 256.0;
     let step = 1.0 / POINTS as f64;
     let sum: f64 = (0..POINTS)
         .map(|i| {
@@ -149,12 +142,11 @@ mod tests {
     }
 
     #[test]
-    fn cell_limits_carry_the_profile_s_torque() {
-        let grid = Grid::new(40);
+    fn cells_carry_the_profile_s_torque() {
+        let lattice = Lattice::over_disc(40, 1.0);
         for (profile, tolerance) in [(Profile::Hertz, 2e-3), (Profile::Cone, 2e-3), (Profile::Punch, 3e-2)] {
-            let area = grid.edge * grid.edge;
-            let caps = profile.caps(&grid);
-            let torque: f64 = caps.iter().zip(&grid.centres).map(|(c, p)| c * area * p[0].hypot(p[1])).sum();
+            let p = profile.pressures(&lattice, 1.0, 1.0);
+            let torque: f64 = lattice.cells().map(|(index, [x, y])| p[index] * lattice.area() * x.hypot(y)).sum();
             assert!((torque / profile.torque_limit() - 1.0).abs() < tolerance, "{profile:?} {torque}");
         }
     }

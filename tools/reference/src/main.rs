@@ -1,13 +1,13 @@
 //! `reference`: writes the tables of reference answers.
 //!
-//! `cargo run --release -p haptor-tests --bin reference -- turning -o tests/truth/turning_paths.json`
+//! `cargo run --release -p haptor-reference -- turning -o tests/truth/turning_paths.json`
 //! writes the turning paths; `straight` and `all` the others; `pressed` the histories whose load changes. `--profile` sets the pressure, `--across N` cells over the diameter,
 //! `--rows N` the rows per path.
 
-use haptor_tests::reference::paths::{PATHS, Path};
-use haptor_tests::reference::pressed;
-use haptor_tests::reference::profile::Profile;
-use haptor_tests::reference::table;
+use haptor_reference::paths::{PATHS, Path};
+use haptor_reference::pressed;
+use haptor_reference::profile::Profile;
+use haptor_reference::table;
 use std::process::ExitCode;
 
 /// Cells over the diameter: 448 cells, within 0.5 % of 1020 cells on every path.

@@ -1,6 +1,6 @@
 //! Runs paths through the patch and writes what came out, as JSON that does not depend on date or machine.
 
-use super::coulomb::{Answer, Patch, Pose};
+use super::led::{Answer, Led, Pose};
 use super::paths::Path;
 use super::profile::Profile;
 use serde::Serialize;
@@ -52,7 +52,7 @@ T in the profile's T_max, that the object feels (the probe feels the opposite). 
 /// Runs `paths` on a patch of `across` cells over the diameter, pressed by `profile`, and keeps `rows` rows of each.
 #[must_use]
 pub fn run(paths: &[Path], profile: Profile, across: usize, rows: usize, progress: &mut dyn FnMut(&str)) -> Table {
-    let fresh = Patch::new(across, profile);
+    let fresh = Led::new(across, profile);
     let mut table = Table {
         note: NOTE,
         profile: profile.name(),
@@ -65,14 +65,14 @@ pub fn run(paths: &[Path], profile: Profile, across: usize, rows: usize, progres
     for path in paths {
         let mut patch = fresh.clone();
         table.paths.push(follow(path, &mut patch, rows));
-        table.unconverged += patch.unconverged;
-        progress(&format!("{} {} sweeps", path.name, patch.sweeps));
+        table.unconverged += patch.unconverged();
+        progress(&format!("{} {} sweeps", path.name, patch.sweeps()));
     }
     table
 }
 
 /// Leads `patch` along `path` and keeps every `SUBSTEPS`th pose and answer.
-fn follow(path: &Path, patch: &mut Patch, rows: usize) -> Row {
+fn follow(path: &Path, patch: &mut Led, rows: usize) -> Row {
     let mut row =
         Row { name: path.name, kind: if path.turning { "turning" } else { "straight" }, pose: Vec::new(), answer: Vec::new() };
     for steps in path.poses(rows * SUBSTEPS).chunks(SUBSTEPS) {

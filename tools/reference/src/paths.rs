@@ -4,7 +4,7 @@
 //! shift's direction changes under load, which is where local friction models lose their way. Every path is made of corner
 //! poses and arcs, and cut into equal parameter steps, so that it can be refined without changing shape.
 
-use super::coulomb::Pose;
+use super::led::Pose;
 use std::f64::consts::TAU;
 
 /// A path: its name and a function of progress 0..=1.

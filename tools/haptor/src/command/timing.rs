@@ -1,0 +1,291 @@
+//! `haptor timing`: what a tick of a scene costs at worst.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use fastrand::Rng;
+use haptor_contact::{Pose, Tier as CoreTier};
+use haptor_engine::Scene as Baked;
+use haptor_wire::Tuning;
+
+use super::bake::bake;
+use super::eval::TierName;
+use crate::failure::{Failure, Outcome};
+use crate::output::{say, unwritten, write_file};
+use crate::progress;
+use crate::scene::Scene;
+use crate::timing::cover::Cover;
+use crate::timing::history::History;
+use crate::timing::judge::{Dearest, Judge, dearest};
+use crate::timing::level::{Level, on_the_wire};
+use crate::timing::measure::{Measure, Timed, Timing};
+use crate::timing::report::{Found, Report, Row, stages};
+use crate::timing::search::{Effort, Limits, search};
+use crate::timing::start::{Pair, Start};
+use crate::timing::{motions, picture, units};
+use crate::trajectory;
+
+/// Measures what a tick of a scene costs at worst: searches the dearest input, counts its instructions, times it.
+///
+/// For every tier: motions that are always measured, then a search for the dearest tick by hill climbing over poses and histories. Instructions are exact
+/// (callgrind, when valgrind is installed); times are of the dearest input over and over under SCHED_FIFO on a CPU of its own, as far as the system grants
+/// them. Runs `haptor-measure`, which lies beside this program.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example: haptor timing tests/scenes/ten-regions.toml --tier bristle --search-seconds 60 --ticks 1000000 -o worst\n\
+                        A motion of your own: haptor timing tests/scenes/mallet.toml --poses tests/scenes/mallet.csv --json"
+)]
+pub struct Args {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// One tier in place of all
+    #[arg(long, value_name = "T")]
+    tier: Option<TierName>,
+    /// Samples per region of that tier
+    #[arg(long, value_name = "N", requires = "tier")]
+    samples: Option<u16>,
+    /// Ticks to time for each tier, 0 for none; 10000000 for p99.99 and max that mean something
+    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    ticks: u64,
+    /// Length of the search for each tier [s], 0 for none
+    #[arg(long, value_name = "S", default_value_t = 20)]
+    search_seconds: u64,
+    /// Generations of the search in place of seconds: the same seed then finds the same
+    #[arg(long, value_name = "N")]
+    generations: Option<u32>,
+    /// Seed of the search
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Measure these poses (CSV, as `haptor eval` reads it) and search nothing
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["search_seconds", "generations", "seed"])]
+    poses: Option<PathBuf>,
+    /// Ticks per second [Hz], 100 to 8000
+    #[arg(long, value_name = "HZ", default_value_t = crate::config::RATE, value_parser = clap::value_parser!(u32).range(100..=8000))]
+    rate: u32,
+    /// enforce: refuse to time without real-time rights, saying what to do; ignore: take what is granted and say so
+    #[arg(long, value_parser = ["enforce", "ignore"], default_value = "ignore")]
+    rt: String,
+    /// CPU to time on; the last one that may be used when not given
+    #[arg(long, value_name = "N")]
+    cpu: Option<usize>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the histogram of the times (PNG)
+    #[arg(long, value_name = "FILE.png")]
+    png: Option<PathBuf>,
+    /// Save the dearest input of the last tier as a recording, which `haptor replay --verify` computes again
+    #[arg(long, value_name = "FILE.haptor")]
+    save: Option<PathBuf>,
+    /// Folder for timing.json, timing.png, and of every tier the dearest input as a recording and as a trajectory
+    #[arg(short, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Outcome {
+    let scene = Scene::load(&args.scene)?;
+    let measure = Measure::find()?;
+    let given = args.poses.as_deref().map(|path| given(path)).transpose()?;
+    let baked = baked(&scene, args)?;
+    let read = Baked::read(&baked).map_err(|error| refused(args, &error))?;
+    let levels = levels(args, &read)?;
+    let mut judge = Judge { scene: &baked, rate_hz: args.rate, measure: &measure, cover: Cover::default() };
+    let mut rng = Rng::with_seed(args.seed);
+    let pair = Pair { object: &scene.object.shape, parts: &scene.probe.parts };
+    let starts = if given.is_some() { Vec::new() } else { pair.starts(&mut rng) };
+    if given.is_none() && starts.is_empty() {
+        return Err(Failure::bad_input(format!(
+            "{}: the probe meets nothing on its way down; give poses with --poses",
+            args.scene.display()
+        )));
+    }
+    let mut bench = Bench { args, judge: &mut judge, starts: &starts, rng: &mut rng, base: Tuning::of(read.setup().baked()) };
+    let found: Vec<Found> = levels.iter().map(|level| bench.level(*level, &levels, given.as_ref())).collect::<Result<_, _>>()?;
+    let base = bench.base;
+    let report = Report {
+        scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        rate_hz: args.rate,
+        seed: args.seed,
+        counter: measure.counter().map(str::to_owned),
+        parts: starts.last().map_or(0, |start| start.parts),
+        levels: found,
+        cover: judge.cover.clone(),
+    };
+    keep(args, &judge, &base, &report)?;
+    if args.json {
+        say(format_args!("{:#}", report.json()));
+    } else {
+        say(report.text().trim_end());
+    }
+    Ok(())
+}
+
+fn baked(scene: &Scene, args: &Args) -> Result<Vec<u8>, Failure> {
+    let work = tempfile::tempdir().map_err(|error| unwritten(&error))?;
+    let model = work.path().join("scene.model");
+    bake(scene, &args.scene.display().to_string(), &model)?;
+    std::fs::read(&model).map_err(|error| unwritten(&error))
+}
+
+fn refused(args: &Args, error: &haptor_engine::SceneError) -> Failure {
+    Failure::bad_input(format!("{}: {error}", args.scene.display()))
+}
+
+/// The levels asked for; each is one that the scene takes.
+fn levels(args: &Args, read: &Baked) -> Result<Vec<Level>, Failure> {
+    let baked = read.setup().baked();
+    let mut levels = Level::of(baked);
+    if let Some(name) = args.tier {
+        let tier = on_the_wire(CoreTier::from(name));
+        levels.retain(|level| level.tier == tier);
+        if let Some(samples) = args.samples {
+            levels = vec![Level { tier, samples }];
+        }
+        if levels.is_empty() {
+            // the scene has no table: its own words say what to do
+            levels.push(Level { tier, samples: 52 });
+        }
+    }
+    for level in &levels {
+        read.tuned(&level.tuning(&Tuning::of(baked))).map_err(|error| refused(args, &error))?;
+    }
+    Ok(levels)
+}
+
+/// Poses of a trajectory file as a history.
+fn given(path: &Path) -> Result<History, Failure> {
+    let rows = trajectory::load(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(History { name, poses: rows.iter().map(|row| Pose::new(row.position, row.rotation)).collect(), tunings: Vec::new() })
+}
+
+/// Motions that are run before the bar moves on: two for each of a few CPUs.
+const MOTIONS_AT_ONCE: usize = 4;
+
+/// What the fixed motions cost.
+#[derive(Default)]
+struct Fixed {
+    rows: Vec<Row>,
+    /// The dearest tick of each.
+    known: Vec<Dearest>,
+    /// Regions and cost of every tick.
+    ticks: Vec<(u8, u64)>,
+}
+
+/// What a level is measured with.
+struct Bench<'a, 'b> {
+    args: &'a Args,
+    judge: &'a mut Judge<'b>,
+    starts: &'a [Start],
+    rng: &'a mut Rng,
+    base: Tuning,
+}
+
+impl Bench<'_, '_> {
+    fn level(&mut self, level: Level, all: &[Level], given: Option<&History>) -> Result<Found, Failure> {
+        let tuning = level.tuning(&self.base);
+        let others: Vec<_> = all.iter().filter(|other| **other != level).map(|other| other.tuning(&self.base)).collect();
+        let fixed = given.map_or_else(|| motions::all(self.starts, &tuning, &others), |history| vec![history.clone()]);
+        let Fixed { rows, mut known, ticks } = self.fixed(level, &tuning, &fixed)?;
+        known.sort_by_key(|dearest| std::cmp::Reverse(dearest.cost));
+        let mut effort = None;
+        if given.is_none() {
+            let (found, tried) = self.search(level, &tuning, &known)?;
+            effort = Some(tried);
+            known.extend(found);
+        }
+        // the first of equals: a motion with a name goes before what the search made of it
+        let best = known.into_iter().reduce(|best, other| if other.cost > best.cost { other } else { best });
+        let dearest = best.ok_or_else(|| Failure::problem("no tick was measured"))?;
+        let found = self.examine(level, &tuning, dearest)?;
+        Ok(Found { units: found.units.into_iter().chain(units::region(&ticks)).collect(), rows, effort, ..found })
+    }
+
+    /// Costs of the fixed motions.
+    fn fixed(&mut self, level: Level, tuning: &Tuning, histories: &[History]) -> Result<Fixed, Failure> {
+        let bar = progress::bar(histories.len() as u64, "motions").with_message(level.name());
+        let mut fixed = Fixed::default();
+        for share in histories.chunks(MOTIONS_AT_ONCE) {
+            for (history, costs) in share.iter().zip(self.judge.costs(tuning, share)?) {
+                let (tick, cost) = dearest(&costs);
+                let mean = costs.iter().sum::<u64>() / (costs.len() as u64).max(1);
+                fixed.rows.push(Row { name: history.name.clone(), mean, worst: cost });
+                fixed.known.push(Dearest { history: history.clone(), tick, cost });
+                // what is tuned on the way costs something else
+                if history.is_plain() {
+                    fixed.ticks.extend(self.judge.regions(tuning, history)?.into_iter().zip(costs));
+                }
+            }
+            bar.inc(share.len() as u64);
+        }
+        bar.finish_and_clear();
+        Ok(fixed)
+    }
+
+    fn search(&mut self, level: Level, tuning: &Tuning, known: &[Dearest]) -> Result<(Option<Dearest>, Effort), Failure> {
+        let limits = Limits { time: Duration::from_secs(self.args.search_seconds), generations: self.args.generations };
+        let bar = progress::bar(1000 * self.args.search_seconds, "searching").with_message(level.name());
+        let found = search(self.judge, tuning, self.starts, known, (limits, self.rng, &bar));
+        bar.finish_and_clear();
+        found
+    }
+
+    /// The dearest tick: its stages, units, stack, times.
+    fn examine(&mut self, level: Level, tuning: &Tuning, dearest: Dearest) -> Result<Found, Failure> {
+        let history = std::slice::from_ref(&dearest.history);
+        let (recording, _) = self.judge.recording(tuning, history)?;
+        let by_file = self.judge.measure.by_file(&recording)?;
+        let regions = self.judge.regions(tuning, &dearest.history)?.get(dearest.tick).copied().map_or(0, usize::from);
+        Ok(Found {
+            stages: by_file.get(dearest.tick).map(|(total, files)| stages(*total, files)).unwrap_or_default(),
+            stack: self.judge.measure.stack(&recording, &self.judge.empty(tuning)?)?,
+            timed: self.time(level, &recording)?,
+            units: units::of(self.judge, tuning, &dearest, regions)?,
+            level,
+            dearest,
+            regions,
+            rows: Vec::new(),
+            effort: None,
+        })
+    }
+
+    fn time(&self, level: Level, recording: &[u8]) -> Result<Option<Timed>, Failure> {
+        let args = self.args;
+        if args.ticks == 0 {
+            return Ok(None);
+        }
+        let bar = progress::bar(args.ticks, "timing").with_message(level.name());
+        let timing = Timing { ticks: args.ticks, rt: &args.rt, cpu: args.cpu };
+        let timed = self.judge.measure.time(recording, &timing, |done| bar.set_position(done));
+        bar.finish_and_clear();
+        timed.map(Some)
+    }
+}
+
+/// Writes what is to be kept.
+fn keep(args: &Args, judge: &Judge<'_>, base: &Tuning, report: &Report) -> Outcome {
+    let recorded = |found: &Found| {
+        judge.recording(&found.level.tuning(base), std::slice::from_ref(&found.dearest.history)).map(|(recording, _)| recording)
+    };
+    if let (Some(file), Some(last)) = (&args.save, report.levels.last()) {
+        write_file(file, &recorded(last)?)?;
+    }
+    if let Some(file) = &args.png {
+        picture::draw(file, report).map_err(Failure::problem)?;
+    }
+    let Some(folder) = &args.output else { return Ok(()) };
+    std::fs::create_dir_all(folder).map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
+    write_file(&folder.join("timing.json"), format!("{:#}\n", report.json()).as_bytes())?;
+    if args.ticks > 0 {
+        picture::draw(&folder.join("timing.png"), report).map_err(Failure::problem)?;
+    }
+    for found in &report.levels {
+        let file = |kind: &str| folder.join(format!("{}.{kind}", found.level.slug()));
+        write_file(&file("haptor"), &recorded(found)?)?;
+        if found.dearest.history.is_plain() {
+            write_file(&file("csv"), found.dearest.history.csv(args.rate).as_bytes())?;
+        }
+    }
+    Ok(())
+}

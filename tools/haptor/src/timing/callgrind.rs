@@ -1,0 +1,129 @@
+//! Exact instruction counts by valgrind's callgrind: a program with marked functions is run, every call of one is written as a dump, dumps are read.
+//!
+//! A dump attributes each instruction to the source line it was compiled from, inlined or not. Needs nothing but the standard library: tests and developer
+//! commands that count include this file.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What counts, and the Debian package it comes from.
+pub const VALGRIND: &str = "valgrind";
+
+/// What gathers the core's source files, in pipeline order: name, starts of paths in the core's `src`.
+pub const STAGES: [(&str, &[&str]); 11] = [
+    ("coupling", &["coupling/"]),
+    ("detect", &["stage/detect", "geometry/"]),
+    ("regions", &["stage/regions", "patch.rs"]),
+    ("force", &["stage/force", "footprint", "profile/"]),
+    ("torque", &["stage/torque", "tier/"]),
+    ("deform", &["stage/deform", "stage/ground", "green/"]),
+    ("body", &["body.rs"]),
+    ("wrench", &["stage/wrench", "wrench.rs"]),
+    ("guard", &["guard.rs"]),
+    ("surface", &["surface/"]),
+    ("libraries", &["libraries"]),
+];
+
+/// Instructions by source file; the core's by their path in its `src`, others under `libraries`.
+pub type ByFile = BTreeMap<String, u64>;
+
+/// Instructions in files whose path starts with one of these.
+pub fn within(files: &ByFile, starts: &[&str]) -> u64 {
+    files.iter().filter(|(file, _)| starts.iter().any(|start| file.starts_with(start))).map(|(_, count)| count).sum()
+}
+
+/// What is to be counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// The program.
+    pub program: &'a Path,
+    /// Its arguments.
+    pub args: &'a [&'a str],
+    /// Pattern of the marked functions.
+    pub pattern: &'a str,
+    /// Their full names.
+    pub marked: &'a [&'a str],
+    /// With source lines, which [`by_file`] needs; without them a dump is a tenth as long.
+    pub lines: bool,
+    /// Takes the dumps; empty.
+    pub folder: &'a Path,
+}
+
+impl Job<'_> {
+    /// Runs the program under the counter; yields what it printed.
+    ///
+    /// # Errors
+    /// What is missing or did not end well, and what to do.
+    pub fn run(&self) -> Result<String, String> {
+        let home = self.program.parent().unwrap_or(Path::new("."));
+        let name = self.program.file_name().unwrap_or_default().to_string_lossy();
+        let mut command = Command::new(VALGRIND);
+        // environment and the program's path lie on the stack, and copies cost by its alignment: the same of both everywhere
+        command.env_clear().env("PATH", "/usr/bin:/bin").current_dir(home);
+        command.args(["--tool=callgrind", "--collect-atstart=no", &format!("--toggle-collect={}", self.pattern)]);
+        command.arg(format!("--dump-line={}", if self.lines { "yes" } else { "no" }));
+        command.args(self.marked.iter().map(|name| format!("--dump-after={name}")));
+        command.arg(format!("--callgrind-out-file={}", self.folder.join("dump").display()));
+        let output = command.arg(format!("./{name}")).args(self.args).output().map_err(|error| missing(&error))?;
+        if !output.status.success() {
+            return Err(format!("{VALGRIND}: {}", String::from_utf8_lossy(&output.stderr)));
+        }
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    /// The dump of a call, in order from 0.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn dump(&self, call: usize) -> Result<String, String> {
+        let dump: PathBuf = self.folder.join(format!("dump.{}", call + 1));
+        fs::read_to_string(&dump).map_err(|error| format!("{}: {error}", dump.display()))
+    }
+}
+
+/// Why valgrind cannot be started, and what to do.
+pub fn missing(error: &std::io::Error) -> String {
+    format!("{VALGRIND}: {error}; install Debian's package {VALGRIND}")
+}
+
+/// Adds a dump's instructions to `into`; yields their sum. Names are written once as `(number) name`, then as `(number)`; `names` keeps the numbers from dump to
+/// dump of one run.
+pub fn by_file(dump: &str, names: &mut HashMap<String, String>, into: &mut ByFile) -> u64 {
+    let (mut file, mut total, mut is_call) = (String::new(), 0, false);
+    for line in dump.lines() {
+        match line.split_once('=') {
+            Some(("fl" | "fi" | "fe", name)) => file = known(name, names),
+            // a callee's file may be named here first
+            Some(("cfi" | "cfl", name)) => drop(known(name, names)),
+            Some(("calls", _)) => is_call = true,
+            Some(_) => {}
+            // what a callee cost is counted in its own lines
+            None if std::mem::take(&mut is_call) => {}
+            None => total += own(line).inspect(|cost| *into.entry(file.clone()).or_default() += cost).unwrap_or(0),
+        }
+    }
+    into.retain(|_, cost| *cost > 0);
+    total
+}
+
+/// Cost of a line of the form `position cost`; positions are numbers, differences or `*`.
+fn own(line: &str) -> Option<u64> {
+    let (position, cost) = line.split_once(' ')?;
+    position.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '*')).then(|| cost.trim().parse().ok())?
+}
+
+fn known(name: &str, names: &mut HashMap<String, String>) -> String {
+    let (number, path) = name.split_once(' ').unwrap_or((name, ""));
+    if !path.is_empty() {
+        names.insert(number.to_owned(), short(path));
+    }
+    names.get(number).cloned().unwrap_or_default()
+}
+
+/// A file of the core by its path in `src`, any other as a library's.
+fn short(path: &str) -> String {
+    let own = path.split_once("core/contact/src/").map(|(_, rest)| rest.to_owned());
+    own.unwrap_or_else(|| "libraries".to_owned())
+}
