@@ -95,11 +95,11 @@ pub const BRISTLE_SAMPLE: u32 = 430;
 
 /// Tiers `influence` and `green`: a place with its four cells once a tick (loads, laying the grid anew, taking and giving back), a visit of it, and what one other place pulls
 /// at it in a visit. "base, influence 52, one sweep", "influence 52, box, one region, slide" and "base, influence 112" less their rows without friction.
-pub const PLACE: u32 = 700;
+pub const PLACE: u32 = 1_700;
 /// See [`PLACE`].
-pub const VISIT: u32 = 200;
+pub const VISIT: u32 = 190;
 /// See [`PLACE`].
-pub const PULL: u32 = 30;
+pub const PULL: u32 = 20;
 
 /// A call for the surface: what does not depend on the point. "surface of 64, ..." less 64 vertices; with [`SHOWN_BODY`] for the motion of the body, and
 /// [`SHOWN_PATCH`] a patch.
