@@ -11,6 +11,7 @@ use crate::rt::policy::{Right, RtPolicy};
 use crate::rt::scale::ticks_at;
 use crate::rt::stale::StaleRule;
 use crate::viewer::listen::ViewerAddress;
+use crate::work::Budget;
 use haptor_wire::viewer::DEFAULT_ADDRESS;
 
 /// Slowest rate \[Hz\]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
@@ -81,6 +82,10 @@ pub struct Args {
     /// What ticks follow; default: the clock, with USB the device
     #[arg(long, value_enum)]
     pub pace: Option<PaceArg>,
+    /// Work a tick may spend before tier and samples are lowered: auto measures this machine before the session, off sets no limit, or instructions; default: what
+    /// the scene says
+    #[arg(long, value_name = "auto|off|N")]
+    pub budget: Option<Budget>,
 }
 
 const HELP_END: &str = "\
@@ -167,6 +172,8 @@ pub struct Config {
     pub status: StatusFormat,
     /// What ticks follow.
     pub follow: Follow,
+    /// What a tick may spend.
+    pub budget: Budget,
     /// How long a wrench outlives its pose.
     pub stale: StaleRule,
     /// The session ends with standard input.
@@ -197,6 +204,7 @@ impl Config {
                 Rt::Enforce => RtPolicy::Enforce,
                 Rt::Ignore => RtPolicy::Ignore,
             },
+            budget: args.budget.unwrap_or(Budget::Scene),
             follow: match args.pace.unwrap_or(default_pace) {
                 PaceArg::Clock => Follow::Clock,
                 PaceArg::Device => Follow::Device,

@@ -11,6 +11,7 @@
 //! | [`session`] | the threads of a run and the queues between them |
 //! | [`reopen`], [`recorder`], [`status`] | the ordinary threads: links, files, what people and tools are told |
 //! | [`viewer`] | programs that look on and may steer: the server of the viewer link |
+//! | [`work`] | what a tick may spend on this machine |
 //! | [`measure`] | what a tick costs on this machine: recorded ticks in a loop under the policy of the real-time thread |
 //! | [`error`] | what can go wrong outside the tick |
 //!
@@ -27,3 +28,4 @@ pub mod rt;
 pub mod session;
 pub mod status;
 pub mod viewer;
+pub mod work;

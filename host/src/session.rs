@@ -9,7 +9,7 @@
 //! The real-time thread ends first: by its ticks, by a signal, with standard input if told so, or because the device speaks another version. Its summary ends the others.
 
 use std::fs;
-use std::io::{Read, stdin};
+use std::io::{Read, Write, stderr, stdin};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -17,7 +17,7 @@ use std::thread::{self, Scope, ScopedJoinHandle};
 
 use haptor_wire::{Summary, VersionMismatch};
 
-use crate::config::Config;
+use crate::config::{Config, StatusFormat};
 use crate::error::HostError;
 use crate::link::{AnyLink, open};
 use crate::recorder::origin::Origin;
@@ -33,7 +33,7 @@ use crate::rt::parts::Settings;
 use crate::rt::policy;
 use crate::viewer::entrance::Entrance;
 use crate::viewer::figures::SharedFigures;
-use crate::{reopen, status, viewer};
+use crate::{reopen, status, viewer, work};
 use haptor_engine::{Scene, SceneError};
 
 /// How a run went.
@@ -173,9 +173,15 @@ fn real_time(
     ready: &mpsc::Sender<()>,
     stop: &AtomicBool,
 ) -> Result<Ran, HostError> {
-    let engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
+    let mut engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     let line = Line::new(link, links);
     let obtained = policy::apply(config.rt, config.cpu, &config.without)?;
+    let budget = work::set(config.budget, scene, &mut engine, config.rate_hz, &Monotonic);
+    let measured = budget.map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
+    if let (Some(measured), StatusFormat::Text) = (measured, config.status) {
+        // nobody need be left to hear it
+        let _ = writeln!(stderr(), "haptor-host: {measured}");
+    }
     let settings = Settings {
         rate_hz: config.rate_hz,
         follow: config.follow,

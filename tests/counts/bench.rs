@@ -4,11 +4,18 @@
 //! the core, so that the image for the Cortex-M7 can include this file.
 
 use core::hint::black_box;
+use core::num::NonZeroUsize;
 
 use haptor_contact::surface::Surface;
 use haptor_contact::{Input, Invalid, Model, ModelSpec, Output, Params, Scratch, State, Vec3, step};
 
-use crate::cases::{Case, ROUND, RUBBER, UPDATES, VERTICES};
+use crate::cases::{Case, ROUND, RUBBER, SIDE, Shown};
+
+/// Vertices of a whole surface.
+const VERTICES: usize = SIDE.get() * SIDE.get();
+
+/// Updates of a surface that are counted: every one costs the same but for the branches of its closed forms.
+const UPDATES: usize = 2;
 
 /// Capacities of the host: every probe, the finest samples.
 pub type FullState = State<16, 256, 256>;
@@ -54,14 +61,13 @@ struct Bench<'a> {
 #[inline(never)]
 pub fn run(case: &Case, room: &mut Room, counter: &mut impl Count) -> Result<u8, Invalid> {
     // what the scene is made of the compiler must not know: a tick is compiled for every shape and tier
-    let spec = black_box(ModelSpec { mass: case.mass, ..ModelSpec::new(case.object, RUBBER, case.probe) });
+    let spec = black_box(ModelSpec { mass: case.mass, green: case.green, ..ModelSpec::new(case.object, RUBBER, case.probe) });
     let (model, params) = (Model::new(&spec)?, Params::new(&case.params)?);
     let mut bench = Bench { model, params, state: &mut room.state, scratch: &mut room.scratch };
     let input = |tick| Input { pose: case.pose(tick), dt: 1.0e-3 };
     let regions = warm_round(&mut bench, input);
-    if let Some(body) = case.surface {
-        room.rest.iter_mut().enumerate().for_each(|(k, vertex)| *vertex = case.vertex_at_rest(k));
-        update(&bench, case, body, (&room.rest, &mut room.moved), counter);
+    if let Some(shown) = case.surface {
+        update(&bench, case, shown, (&mut room.rest, &mut room.moved), counter);
         return Ok(regions);
     }
     for tick in ROUND..2 * ROUND {
@@ -80,13 +86,22 @@ fn warm_round(bench: &mut Bench<'_>, input: impl Fn(usize) -> Input) -> u8 {
     ticks.last().map_or(0, |output| output.report.regions)
 }
 
-/// Whole surfaces after the last tick.
-fn update(bench: &Bench<'_>, case: &Case, body: bool, (rest, moved): (&[Vec3], &mut [Vec3]), counter: &mut impl Count) {
+/// Surfaces after the last tick.
+fn update(bench: &Bench<'_>, case: &Case, shown: Shown, (rest, moved): (&mut [Vec3], &mut [Vec3]), counter: &mut impl Count) {
+    let count = VERTICES.min(shown.side.get() * shown.side.get());
+    let (Some(rest), Some(moved)) = (rest.get_mut(..count), moved.get_mut(..count)) else { return };
+    rest.iter_mut().enumerate().for_each(|(k, vertex)| *vertex = vertex_at_rest(case, shown.side, k));
     let p_wp = case.pose(ROUND - 1).position;
-    let surface = Surface { model: &bench.model, params: &bench.params, patches: bench.state.patches(), p_wp, body };
+    let surface = Surface { model: &bench.model, params: &bench.params, patches: bench.state.patches(), p_wp, body: shown.body };
     for _ in 0..UPDATES {
         counter.count(|| measured_surface(&surface, rest, black_box(moved)));
     }
+}
+
+/// A vertex of the undeformed surface around the contacts: of a square of 0.1 m on the object's top.
+fn vertex_at_rest(case: &Case, side: NonZeroUsize, k: usize) -> Vec3 {
+    let at = |k: usize| 0.1 * ((k as f32 + 0.5) / side.get() as f32 - 0.5);
+    Vec3::new(at(k % side), at(k / side), case.object.height())
 }
 
 /// One tick; the name is what the counter of a PC and the bound of the stack are told.

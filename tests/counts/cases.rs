@@ -1,12 +1,14 @@
-//! Which scenes are counted: one list, on a PC and on a Cortex-M7. A feature of the core gets a row here, with it and without it.
+//! Which scenes are counted: one list, on a PC and on a Cortex-M7. A feature of the core gets a row here, with it and without it;
+//! rows that only a PC counts are in `cases_pc.rs`.
 //!
 //! Needs nothing but the core, so that the image for the Cortex-M7 can include this file.
 
 use core::fmt;
+use core::num::NonZeroUsize;
 
 use haptor_contact::{
-    Breakaway, CouplingSpec, GuardSpec, Material, ObjectShape, ParamsSpec, Passivity, Pose, ProbeFrame, ProbePart, ProbeShape,
-    Quat, Tier, Vec3, VirtualCoupling, World,
+    Breakaway, CouplingSpec, Green, GuardSpec, Material, ObjectShape, ParamsSpec, Passivity, Pose, ProbeFrame, ProbePart,
+    ProbeShape, Quat, Tier, Vec3, VirtualCoupling, World,
 };
 
 /// Ticks of a round of the motion: divided by every period below.
@@ -15,29 +17,24 @@ pub const ROUND: usize = 48;
 /// The material of the paper's Table I.
 pub const RUBBER: Material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
 
-/// Vertices along a side of a whole surface, and of it all: what the field loops are meant for.
-const SIDE: usize = 64;
-pub const VERTICES: usize = SIDE * SIDE;
-
-/// Updates of a surface that are counted: every one costs the same but for the branches of its closed forms.
-pub const UPDATES: usize = 2;
-
-/// How the probe moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
-    /// Presses and slides, never turns.
-    Slide,
-    /// Presses, slides and turns.
-    Twist,
-    /// Holds still.
-    Still,
-    /// Moves above the object.
-    Clear,
+/// A surface that somebody looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown {
+    /// With the motion of the whole body.
+    pub body: bool,
+    /// Vertices along a side of an update, at most [`SIDE`].
+    pub side: NonZeroUsize,
 }
+
+/// Vertices along a side of a whole surface: what the field loops are meant for.
+pub const SIDE: NonZeroUsize = NonZeroUsize::new(64).unwrap();
+
+/// How the probe moves: where a case has it at a tick.
+pub type Motion = fn(&Case, usize) -> Pose<World, ProbeFrame>;
 
 /// Words that name a scene; the first is not empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Name([&'static str; 4]);
+pub struct Name(pub [&'static str; 4]);
 
 impl fmt::Display for Name {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -60,44 +57,82 @@ pub struct Case {
     pub params: ParamsSpec,
     /// Mass of the probe \[kg\].
     pub mass: f32,
-    motion: Motion,
+    /// How the probe moves.
+    pub motion: Motion,
     /// How much deeper the handle goes than 1 mm \[m\]: through a coupling, the probe does not follow.
-    deeper: f32,
+    pub deeper: f32,
     /// Regions in contact at the end.
     pub regions: u8,
-    /// Counts updates of the surface in place of ticks; with the body's motion or without.
-    pub surface: Option<bool>,
+    /// The table that the body has of its own.
+    pub green: Option<Green<'static>>,
+    /// Counts updates of the surface in place of ticks.
+    pub surface: Option<Shown>,
 }
 
 impl Case {
-    /// Pose of a tick: depth 0.6 to 1.4 mm, shift and twist that stick and slip, by triangles of different period.
+    /// Pose of a tick.
     pub fn pose(&self, tick: usize) -> Pose<World, ProbeFrame> {
-        let wave = |period: usize| {
-            let share = (tick % period) as f32 / period as f32;
-            1.0 - 4.0 * (share - 0.5).abs()
-        };
-        let touch = self.object.height() + 0.02;
-        if self.motion == Motion::Still {
-            return Pose::new(Vec3::Z * (touch - 1.0e-3), Quat::IDENTITY);
-        }
-        let lift = if self.motion == Motion::Clear { 0.01 } else { -1.0e-3 };
-        let position = Vec3::new(1.0e-3 * wave(48), 7.0e-4 * wave(24), touch + lift - self.deeper + 4.0e-4 * wave(16));
-        let angle = if self.motion == Motion::Slide { 0.0 } else { 0.1 * wave(48) };
-        Pose::new(position, Quat::from_rotation_z(angle))
+        (self.motion)(self, tick)
     }
 
-    /// A vertex of the undeformed surface around the contacts: a square of 0.1 m on the object's top.
-    pub fn vertex_at_rest(&self, k: usize) -> Vec3 {
-        let at = |k: usize| 0.1 * ((k as f32 + 0.5) / SIDE as f32 - 0.5);
-        Vec3::new(at(k % SIDE), at(k / SIDE), self.object.height())
+    /// Height of the probe's origin where a ball of 20 mm touches the object's top \[m\].
+    fn touch(&self) -> f32 {
+        self.object.height() + 0.02
     }
 }
 
+/// A triangle of this period, between -1 and 1.
+pub fn wave(tick: usize, period: NonZeroUsize) -> f32 {
+    let share = (tick % period) as f32 / period.get() as f32;
+    1.0 - 4.0 * (share - 0.5).abs()
+}
+
+/// Periods of the triangles: shift, turn and tilt; shift across and turn about a second axis; press.
+pub const SLOW: NonZeroUsize = NonZeroUsize::new(48).unwrap();
+/// See [`SLOW`].
+pub const MIDDLE: NonZeroUsize = NonZeroUsize::new(24).unwrap();
+/// See [`SLOW`].
+pub const FAST: NonZeroUsize = NonZeroUsize::new(16).unwrap();
+
+/// How much higher than touching the presses are in the middle \[m\]: depth 0.6 to 1.4 mm.
+const PRESSED: f32 = -1.0e-3;
+
+/// A press around `lift` \[m\], and a shift that sticks and slips.
+fn place(case: &Case, tick: usize, lift: f32) -> Vec3 {
+    let height = case.touch() + lift - case.deeper + 4.0e-4 * wave(tick, FAST);
+    Vec3::new(1.0e-3 * wave(tick, SLOW), 7.0e-4 * wave(tick, MIDDLE), height)
+}
+
+/// A twist that sticks and slips.
+fn turn(tick: usize) -> Quat {
+    Quat::from_rotation_z(0.1 * wave(tick, SLOW))
+}
+
+/// Presses and slides, never turns.
+pub fn slide(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
+    Pose::new(place(case, tick, PRESSED), Quat::IDENTITY)
+}
+
+/// Presses, slides and turns.
+pub fn twist(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
+    Pose::new(place(case, tick, PRESSED), turn(tick))
+}
+
+/// Moves above the object.
+pub fn clear(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
+    Pose::new(place(case, tick, 0.01), turn(tick))
+}
+
+/// Holds still.
+fn still(case: &Case, _: usize) -> Pose<World, ProbeFrame> {
+    Pose::new(Vec3::Z * (case.touch() + PRESSED), Quat::IDENTITY)
+}
+
 /// A ball of 20 mm.
-const BALL: &[ProbePart<'static>] = &[ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+pub const BALL: &[ProbePart<'static>] = &[ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
 
 /// Ten balls of 10 mm in two rows, 30 mm apart.
-const TEN: &[ProbePart<'static>] = &ten();
+pub const TEN: &[ProbePart<'static>] = &ten();
 
 const fn ten() -> [ProbePart<'static>; 10] {
     let mut legs = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.01 }); 10];
@@ -122,12 +157,12 @@ fn frictions() -> [(&'static str, ParamsSpec); 5] {
 }
 
 /// A box wide enough for the ten balls.
-const TABLE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 0.1) };
+pub const TABLE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 0.1) };
 
 /// What friction is combined with.
 const BODIES: [(&str, ObjectShape<'_>); 2] = [("half space", ObjectShape::HalfSpace), ("box", TABLE)];
 const PROBES: [(&str, &[ProbePart<'_>], u8); 2] = [("one region", BALL, 1), ("ten regions", TEN, 10)];
-const TURNS: [(&str, Motion); 2] = [("slide", Motion::Slide), ("twist", Motion::Twist)];
+const TURNS: [(&str, Motion); 2] = [("slide", slide), ("twist", twist)];
 
 /// Every scene.
 pub fn all() -> impl Iterator<Item = Case> {
@@ -151,19 +186,24 @@ fn combined((friction, params): (&'static str, ParamsSpec)) -> impl Iterator<Ite
 }
 
 /// One ball on the half space, twisted, tier `bristle`.
-fn base() -> Case {
+pub fn base() -> Case {
     Case {
         name: Name(["base", "", "", ""]),
         object: ObjectShape::HalfSpace,
         probe: BALL,
         params: ParamsSpec::default(),
         mass: 1.0,
-        motion: Motion::Twist,
+        motion: twist,
         deeper: 0.0,
         regions: 1,
+        green: None,
         surface: None,
     }
 }
+
+/// A whole surface, with the motion of the body and without.
+const FULL: Option<Shown> = Some(Shown { body: true, side: SIDE });
+const LOCAL: Option<Shown> = Some(Shown { body: false, side: SIDE });
 
 /// A name, and what it changes.
 type Feature = (&'static str, fn(&mut Case));
@@ -186,20 +226,20 @@ const FEATURES: [Feature; 20] = [
     ("base, bristle 16", |c| c.params.samples = 16),
     ("base, bristle 256", |c| c.params.samples = 256),
     ("base, influence 112", |c| (c.params.tier, c.params.samples) = (Tier::Influence, 112)),
-    ("base, held still", |c| c.motion = Motion::Still),
+    ("base, held still", |c| c.motion = still),
     ("base, no friction, tier influence", |c| {
         c.params = ParamsSpec { friction_dynamic: 0.0, tier: Tier::Influence, samples: 52, ..c.params };
     }),
-    ("no contact, one part", |c| (c.motion, c.regions) = (Motion::Clear, 0)),
-    ("no contact, ten parts", |c| (c.probe, c.motion, c.regions) = (TEN, Motion::Clear, 0)),
+    ("no contact, one part", |c| (c.motion, c.regions) = (clear, 0)),
+    ("no contact, ten parts", |c| (c.probe, c.motion, c.regions) = (TEN, clear, 0)),
     ("bristle 32, box, ten regions, twist", |c| {
         (c.params.samples, c.probe, c.regions, c.object) = (32, TEN, 10, TABLE);
     }),
-    ("surface of 4096, local, one region", |c| c.surface = Some(false)),
-    ("surface of 4096, full, one region, box", |c| (c.surface, c.object) = (Some(true), TABLE)),
-    ("surface of 4096, local, ten regions", |c| (c.surface, c.probe, c.regions) = (Some(false), TEN, 10)),
+    ("surface of 4096, local, one region", |c| c.surface = LOCAL),
+    ("surface of 4096, full, one region, box", |c| (c.surface, c.object) = (FULL, TABLE)),
+    ("surface of 4096, local, ten regions", |c| (c.surface, c.probe, c.regions) = (LOCAL, TEN, 10)),
     ("surface of 4096, full, ten regions, box", |c| {
-        (c.surface, c.probe, c.regions, c.object) = (Some(true), TEN, 10, TABLE);
+        (c.surface, c.probe, c.regions, c.object) = (FULL, TEN, 10, TABLE);
     }),
 ];
 

@@ -6,7 +6,10 @@
 
 mod bench;
 mod cases;
+mod cases_pc;
+mod meshes;
 mod sizes;
+mod table;
 
 use bench::{Count, Room};
 
@@ -17,7 +20,7 @@ fn main() {
     }
     let mut room = Box::new(Room::new());
     let mut lines = String::new();
-    for case in cases::all() {
+    for case in cases::all().chain(cases_pc::all()) {
         room.clear();
         let mut calls = Calls(0);
         let regions = bench::run(&case, &mut room, &mut calls).unwrap_or_else(|invalid| panic!("{}: {invalid}", case.name));

@@ -5,6 +5,8 @@ mod acceptance;
 mod alloc;
 mod bench_cli;
 mod bits;
+mod bounds;
+mod budget;
 mod c_abi;
 mod c_device;
 #[path = "../support/cli.rs"]

@@ -152,6 +152,9 @@ fn a_spoilt_scene_is_refused_by_line_key_value_and_range() {
         ),
         ("breakaway = \"smooth\"", "breakaway = 1", &["s.toml:27:", "model.breakaway = 1", "smooth or sharp"]),
         ("gravity = false", "gravity = 9.81", &["s.toml:28:", "model.gravity = 9.81", "true or false"]),
+        ("gravity", "work = 9999\ngravity", &["s.toml:28:", "model.work = 9999", "1e4 to 1e9"]),
+        ("gravity", "work = 5000000000\ngravity", &["s.toml:28:", "model.work = 5000000000", "1e4 to 1e9"]),
+        ("gravity", "work = 1.5e5\ngravity", &["s.toml:28:", "model.work = 1.5e5", "whole number"]),
         ("gravity", "paper_length = 0.0\ngravity", &["s.toml:28:", "model.paper_length = 0.0", "1e-6 to 1e2 m"]),
         (
             "gravity",

@@ -93,6 +93,11 @@ impl Seat {
         }
     }
 
+    /// An edge of the object is near enough to cut the patch.
+    pub fn is_at_edge(&self) -> bool {
+        self.edges.is_some()
+    }
+
     fn is_smooth(&self) -> bool {
         matches!(self.form, Form::Primitive(ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. }))
     }

@@ -42,6 +42,7 @@
 #![deny(missing_docs)]
 
 mod body;
+pub mod budget;
 mod coupling;
 mod error;
 mod footprint;
@@ -70,6 +71,10 @@ pub mod tier;
 #[doc = include_str!("theory.md")]
 pub mod theory {}
 
+#[doc = include_str!("bounds.md")]
+pub mod bounds {}
+
+pub use budget::Rung;
 pub use coupling::inertia::Inertia;
 pub use coupling::passivity::{MAX_DELAY, Passivity};
 pub use coupling::{CouplingSpec, VirtualCoupling};

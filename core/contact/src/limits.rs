@@ -19,6 +19,12 @@ pub const MIN_SAMPLES: usize = 16;
 /// Most sweeps of tier `influence` per tick: at 16 a step is solved to a fraction of what its cells resolve, twice that is room for coarse ticks.
 pub const MAX_SWEEPS: usize = 32;
 
+/// Least work budget of a tick \[instructions\]: one ball without friction takes a third of it.
+pub const MIN_WORK: u32 = 10_000;
+
+/// Largest work budget \[instructions\]: a core of today is at it for a third of a second.
+pub const MAX_WORK: u32 = 1_000_000_000;
+
 /// Largest distance of probe and object from the world origin \[m\]. At 1 km an f32 resolves 0.06 mm.
 pub const MAX_DISTANCE: f32 = 1.0e3;
 

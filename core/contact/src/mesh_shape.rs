@@ -97,6 +97,12 @@ impl<'a> MeshShape<'a> {
         self.samples
     }
 
+    /// The same body with a prefix of its samples, at least one.
+    pub(crate) fn coarser(&self, samples: usize) -> Self {
+        let most = self.samples.len().min(samples.max(1));
+        Self { samples: self.samples.get(..most).unwrap_or(self.samples), ..*self }
+    }
+
     /// Smallest and largest coordinates \[m\].
     pub fn bounds(&self) -> (Vec3, Vec3) {
         (self.low, self.high)

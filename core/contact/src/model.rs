@@ -160,6 +160,14 @@ impl<'a> ProbePart<'a> {
     pub const fn at_origin(shape: ProbeShape<'a>) -> Self {
         Self { shape, position: Vec3::ZERO, rotation: Quat::IDENTITY }
     }
+
+    /// The part with at most so many samples of its mesh.
+    pub(crate) fn coarser(&self, samples: usize) -> Self {
+        match self.shape {
+            ProbeShape::Mesh(mesh) => Self { shape: ProbeShape::Mesh(mesh.coarser(samples)), ..*self },
+            _ => *self,
+        }
+    }
 }
 
 /// Compliances of the object's body beyond those of the half space, at the contact, in the contact's directions.

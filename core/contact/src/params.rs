@@ -1,9 +1,10 @@
 //! What may change between ticks: friction, tier, samples, limits. Validated once, then read-only.
 
+use crate::budget::Rung;
 use crate::coupling::CouplingSpec;
 use crate::error::{Invalid, require};
 use crate::guard::GuardSpec;
-use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MAX_SWEEPS, MIN_SAMPLES};
+use crate::limits::{MAX_BRISTLES, MAX_REGIONS, MAX_SAMPLES, MAX_SWEEPS, MAX_WORK, MIN_SAMPLES, MIN_WORK};
 use crate::tier::bristle::Layout;
 use crate::tier::influence;
 
@@ -93,6 +94,8 @@ pub struct ParamsSpec {
     pub force_law: ForceLaw,
     /// Adds the probe's weight to the wrench.
     pub gravity: bool,
+    /// What a tick may spend, in instructions of the x86-64 release build ([`budget`](crate::budget)), [`MIN_WORK`] to [`MAX_WORK`]; `None` is no limit.
+    pub work: Option<u32>,
     /// What ties the probe to the handle.
     pub coupling: CouplingSpec,
     /// Limits of the last stage.
@@ -112,6 +115,7 @@ impl Default for ParamsSpec {
             breakaway: Breakaway::Smooth,
             force_law: ForceLaw::Hertz,
             gravity: false,
+            work: None,
             coupling: CouplingSpec::Direct,
             guard: GuardSpec::default(),
         }
@@ -127,10 +131,12 @@ pub struct Params {
     pub(crate) max_regions: usize,
     pub(crate) tier: Tier,
     pub(crate) samples: usize,
-    pub(crate) sweeps: usize,
+    /// Highest rung of the ladder.
+    pub(crate) rung: Rung,
     pub(crate) breakaway: Breakaway,
     pub(crate) force_law: ForceLaw,
     pub(crate) gravity: bool,
+    pub(crate) work: Option<u32>,
     pub(crate) coupling: CouplingSpec,
     pub(crate) guard: GuardSpec,
     pub(crate) layout: Layout,
@@ -158,6 +164,13 @@ impl Params {
         let cells = [influence::Layout::COARSE.cells, influence::Layout::FINE.cells];
         let known = !matches!(spec.tier, Tier::Influence | Tier::Green) || cells.contains(&spec.samples);
         require(known, "model.samples", samples, "52 or 112 for tiers influence and green")?;
+        let work = spec.work.unwrap_or(MIN_WORK);
+        require(
+            (MIN_WORK..=MAX_WORK).contains(&work),
+            "model.work",
+            work as f32,
+            "1e4 to 1e9 instructions, or absent for no limit",
+        )?;
         require((1..=MAX_SWEEPS).contains(&spec.sweeps), "model.sweeps", spec.sweeps as f32, "1 to 32")?;
         check_law(&spec.force_law)?;
         spec.coupling.check()?;
@@ -169,10 +182,12 @@ impl Params {
             max_regions: spec.max_regions,
             tier: spec.tier,
             samples: spec.samples,
-            sweeps: spec.sweeps,
+            // both have been held to their limits, which are far below
+            rung: Rung { tier: spec.tier, samples: spec.samples as u16, sweeps: spec.sweeps as u8 },
             breakaway: spec.breakaway,
             force_law: spec.force_law,
             gravity: spec.gravity,
+            work: spec.work,
             coupling: spec.coupling,
             guard: spec.guard,
             layout: Layout::new(spec.samples),
@@ -190,7 +205,8 @@ impl Params {
 fn fingerprint(spec: &ParamsSpec, mu_s: f32) -> u32 {
     let numbers = [mu_s, spec.friction_dynamic, spec.region_distance];
     let counts = [spec.samples, spec.sweeps, spec.max_regions].map(|count| count as u32);
-    let choices = [spec.tier as u32, spec.breakaway as u32, u32::from(spec.gravity)].into_iter().chain(counts);
+    let choices =
+        [spec.tier as u32, spec.breakaway as u32, u32::from(spec.gravity), spec.work.unwrap_or(0)].into_iter().chain(counts);
     let law: [f32; FORCE_TABLE_LEN + 2] = core::array::from_fn(|i| match (spec.force_law, i) {
         (ForceLaw::Hertz, _) => 0.0,
         (ForceLaw::Cubic { k1, .. }, 0) => k1,

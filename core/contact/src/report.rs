@@ -117,8 +117,14 @@ pub struct PatchReport {
 /// The report of one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
-    /// Tier that computed this tick.
+    /// Tier that computed this tick: what the parameters ask for, or less where the work budget is short.
     pub tier: Tier,
+    /// Its samples, or cells of a fresh contact; of no meaning for tier `point`.
+    pub samples: u16,
+    /// Its sweeps; of no meaning for tiers without cells.
+    pub sweeps: u8,
+    /// Estimated work of this tick \[instructions\]; 0 where no budget is set.
+    pub work: u32,
     /// Regions in contact.
     pub regions: u8,
     /// Largest depth \[m\]; 0 without contact.

@@ -3,10 +3,10 @@
 use glam::Vec2;
 use heapless::Vec;
 
+use crate::budget::{Account, Rung};
 use crate::coupling::Coupled;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::GuardState;
-use crate::params::Tier;
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::tier::bristle::Bristle;
@@ -35,8 +35,8 @@ pub(crate) struct Memory {
     pub since_last_pose: f32,
     /// Fingerprint of the parameters under which the last tick had the pose of the one before.
     pub settled_for: Option<u32>,
-    /// Tier and fingerprint of the parameters of the last tick.
-    pub tier: Option<Tier>,
+    /// Rung, and fingerprint of the parameters, of the last tick.
+    pub rung: Option<Rung>,
     pub fingerprint: Option<u32>,
     /// Flags of the last tick that was computed.
     pub flags: Flags,
@@ -45,6 +45,8 @@ pub(crate) struct Memory {
     /// The virtual coupling; `None` when the handle is the probe.
     pub coupled: Option<Coupled>,
     pub guard: GuardState,
+    /// The work budget's ladders.
+    pub account: Account,
     /// Serial number of the next birth.
     pub next_serial: u32,
     pub refused: u32,
@@ -77,12 +79,13 @@ impl<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize> State<PATC
                 last_pose: None,
                 since_last_pose: 0.0,
                 settled_for: None,
-                tier: None,
+                rung: None,
                 fingerprint: None,
                 flags: Flags::CLEAN,
                 contact: Wrench::ZERO,
                 coupled: None,
                 guard: GuardState::START,
+                account: Account::NEW,
                 next_serial: 0,
                 refused: 0,
                 poses_refused: 0,

@@ -6,6 +6,7 @@
 
 use heapless::VecView;
 
+use crate::budget::{self, Counts, Rung};
 use crate::coupling;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
@@ -41,7 +42,8 @@ pub struct Output {
     pub report: Report,
 }
 
-/// Runs one tick. Cannot fail, cannot panic, reads no clock; its work is bounded by the probe's parts and the samples.
+/// Runs one tick. Cannot fail, cannot panic, reads no clock; every loop is bounded by a capacity (`bounds.md`), and where the
+/// parameters set a work budget its estimated work fits that wherever the lowest rung does ([`budget`](crate::budget)).
 pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const CONTACTS: usize>(
     model: &Model<'_>,
     params: &Params,
@@ -55,22 +57,31 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     let Some(handle) = handle else { return refused(params, memory, patches, input.dt, flags) };
     let elapsed = core::mem::take(&mut memory.since_last_pose);
     if is_still(params, memory, &handle) {
+        budget::book_still(params, memory);
         return finish(params, memory, patches, Some(&handle), input.dt, memory.flags);
     }
     let now = coupling::probe_pose(model, params, memory, &handle, elapsed, &mut flags);
     let births = memory.next_serial;
     // 1 detect
-    let left_out = detect::detect(model, &now, &mut scratch.contacts);
-    flags |= count_left_out(memory, left_out);
+    let asked = budget::samples_to_ask(model, params, memory, &now);
+    let found = detect::detect(model, &now, asked, &mut scratch.contacts);
+    flags |= count_left_out(memory, found.left_out);
     // 2 regions
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
+    let (rung, lowered) = match params.work {
+        None => budget::unlimited(params, memory),
+        Some(work) => {
+            let counts = Counts { near: found.near, contacts: &scratch.contacts, patches, asked };
+            budget::choose_within(work, model, params, memory, &counts)
+        }
+    };
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     flags |= force::press(model, params, &scratch.contacts, patches);
     // 4 torque
-    let changed = take_up_params(params, memory, patches);
+    let changed = take_up(params, rung, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
     let work = torque::Workspace { stored, per_slot: SAMPLES, traced: TRACES > 0, grounds: &mut scratch.grounds };
-    flags |= torque::hold(model, params, patches, work, &now, changed);
+    flags |= lowered | torque::hold(model, params, rung, patches, work, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
     flags |= drop_what_is_not_finite(memory, patches);
@@ -91,13 +102,13 @@ fn drop_what_is_not_finite(memory: &mut Memory, patches: &mut VecView<Patch>) ->
     Flags::NON_FINITE
 }
 
-/// Notices new parameters. A new tier takes over what the patches hold; how it came about means nothing to it.
-fn take_up_params(params: &Params, memory: &mut Memory, patches: &mut [Patch]) -> bool {
-    if memory.tier != Some(params.tier) {
+/// Notices new parameters and another rung. A new tier takes over what the patches hold; how it came about means nothing to it.
+fn take_up(params: &Params, rung: Rung, memory: &mut Memory, patches: &mut [Patch]) -> bool {
+    if memory.rung.map(|last| last.tier) != Some(rung.tier) {
         patches.iter_mut().for_each(Patch::forget_history);
     }
-    let changed = memory.fingerprint != Some(params.fingerprint);
-    (memory.tier, memory.fingerprint) = (Some(params.tier), Some(params.fingerprint));
+    let changed = memory.fingerprint != Some(params.fingerprint) || memory.rung != Some(rung);
+    (memory.rung, memory.fingerprint) = (Some(rung), Some(params.fingerprint));
     changed
 }
 
@@ -113,6 +124,7 @@ fn remember(params: &Params, memory: &mut Memory, patches: &[Patch], now: Pose<W
     let quiet = memory.last_pose == Some(now)
         && memory.coupled.as_ref().is_none_or(|coupled| coupled.at_rest)
         && memory.next_serial == births
+        && memory.account.is_settled()
         && !regions::is_handing_over(patches)
         && !flags.contains(Flags::BIRTH_WAITS)
         && !flags.contains(Flags::NON_FINITE);
@@ -157,6 +169,7 @@ fn count_left_out(memory: &mut Memory, left_out: u32) -> Flags {
 /// A refused pose keeps the contact as it was; what the device gets fades to zero at the guard's rates.
 fn refused(params: &Params, memory: &mut Memory, patches: &[Patch], dt: f32, flags: Flags) -> Output {
     memory.poses_refused = memory.poses_refused.saturating_add(1);
+    budget::book_still(params, memory);
     let dt = if dt > 0.0 && dt.is_finite() { dt } else { 0.0 };
     finish(params, memory, patches, None, dt, flags)
 }
@@ -178,8 +191,12 @@ fn finish(
 
 fn report(params: &Params, memory: &Memory, patches: &[Patch], flags: Flags) -> Report {
     let deepest = patches.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+    let rung = memory.rung.unwrap_or(params.rung);
     Report {
-        tier: params.tier,
+        tier: rung.tier,
+        samples: rung.samples,
+        sweeps: rung.sweeps,
+        work: memory.account.work,
         regions: regions::count(patches),
         depth: deepest.map_or(0.0, |patch| patch.depth),
         radius: deepest.map_or(0.0, |patch| patch.footprint.radius),

@@ -83,6 +83,8 @@ pub struct Felt {
     pub stick: f32,
     /// Tier used.
     pub tier: wire::Tier,
+    /// Estimated work of the tick \[instructions\]; 0 where no budget is set.
+    pub work: u32,
     /// The core's flags of this tick.
     pub flags: u32,
     /// A result was not finite; the wrench is zero.
@@ -221,6 +223,7 @@ impl<'a> Engine<'a> {
             radius: report.radius,
             stick: report.stick,
             tier: tier_to_wire(report.tier),
+            work: report.work,
             flags: report.flags.0,
             non_finite: report.flags.contains(contact::Flags::NON_FINITE),
             refused: report.flags.contains(contact::Flags::POSE_REFUSED),

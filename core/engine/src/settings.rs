@@ -30,6 +30,7 @@ pub(crate) fn params_spec(coupling: &wire::Coupling, tuning: &Tuning) -> Result<
         },
         force_law: force_law(&tuning.force_law),
         gravity: tuning.gravity,
+        work: tuning.work,
         coupling: contact::CouplingSpec::Direct,
         guard: guard_spec(&tuning.guard),
     };

@@ -40,6 +40,7 @@ pub const SESSION: SessionHello = SessionHello {
     max_force_un: u32::MAX,
     max_torque_unm: u32::MAX,
     rt: RT,
+    work: Some(u32::MAX),
 };
 pub const PROGRESS: Progress = Progress {
     tick: u64::MAX,
@@ -138,6 +139,7 @@ pub const TUNING: Tuning = Tuning {
     breakaway: Breakaway::Smooth,
     deformation: Deformation::Full,
     gravity: true,
+    work: Some(u32::MAX),
     force_law: LAW,
     guard: GUARD,
 };
@@ -165,6 +167,7 @@ pub fn scene() -> BakedScene {
         coupling: Coupling::Virtual(COUPLING),
         breakaway: Breakaway::Smooth,
         gravity: true,
+        work: Some(u32::MAX),
         force_law: LAW,
         guard: GUARD,
         paper_length: 0.1,

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::device::{ENUM, F32, U16};
+use crate::device::{ENUM, F32, U16, U32};
 
 pub use crate::scene_file::{FILE_MAX, MAGIC, SceneFileError, decode_file, digest, encode_file};
 
@@ -53,6 +53,8 @@ pub struct BakedScene {
     pub breakaway: Breakaway,
     /// Whether the probe's weight is felt.
     pub gravity: bool,
+    /// What a tick may spend \[instructions of the core's x86-64 release build\]; `None` is no limit.
+    pub work: Option<u32>,
     /// Normal force over depth.
     pub force_law: ForceLaw,
     /// The scene's own limits on the wrench; the device's hold beside them.
@@ -78,6 +80,7 @@ impl BakedScene {
         + 2 * ENUM
         + Coupling::MAX_ENCODED
         + 1
+        + (1 + U32)
         + ForceLaw::MAX_ENCODED
         + GuardLimits::MAX_ENCODED
         + F32
@@ -110,6 +113,7 @@ impl BakedScene {
             coupling: Coupling::Direct,
             breakaway: Breakaway::Smooth,
             gravity: false,
+            work: None,
             force_law: ForceLaw::Hertz,
             guard: GuardLimits::DEVICE_S_OWN,
             paper_length: 0.1,

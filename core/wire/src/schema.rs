@@ -43,7 +43,7 @@ FaultCause=Watchdog|OverSpeed|NonFinite|VersionMismatch|Protocol|Hardware\n\
 /// The tool link and the files in canonical text.
 pub const TOOL_TABLE: &str = "\
 FromHost=Hello(SessionHello)|Progress(Progress)|Fault(FaultRecord)|Summary(Summary)\n\
-SessionHello{version:u16,schema:u32,period_us:u32,device_name:[u8;12],device_serial:[u8;12],max_force_un:u32,max_torque_unm:u32,rt:RtReport}\n\
+SessionHello{version:u16,schema:u32,period_us:u32,device_name:[u8;12],device_serial:[u8;12],max_force_un:u32,max_torque_unm:u32,rt:RtReport,work:?u32}\n\
 Progress{tick:u64,regions:u8,force:[f32;3],torque:[f32;3],step_ns:u32,in_time_permille:u16,fault:?HostFault}\n\
 FaultRecord{cause:HostFault,tick:u64,after_ticks:u32}\n\
 Summary{ticks:u64,in_time:u64,late:u64,lost:u64,rejected:u64,out_of_order:u64,recorder_dropped:u64,peak_force:f32,peak_torque:f32,step_ns:Quantiles,wake_ns:Quantiles,round_trip_ns:Quantiles,rt:RtReport,fault:?HostFault}\n\
@@ -53,11 +53,11 @@ HostFault=LinkLost|Stale|Garbage|DeviceRestarted|DeviceFault|DeviceWatchdog|Devi
 Record=Header(RecordHeader)|Schema(Chunk)|Scene(Chunk)|Device(SessionHello)|Tuning(Tuning)|Place(Place)|Rest|Tick(TickRecord)|Event(Event)|Fault(FaultRecord)|Lost{count:u64}|End(Summary)\n\
 RecordHeader{version:u16,schema:u32,rate_hz:u32,scene_digest:u64,start_unix_s:u32,schema_bytes:u32,scene_bytes:u32}\n\
 Chunk{at:u32,bytes:[u8]}\n\
-Tuning{tier:Tier,samples:u16,sweeps:u8,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,breakaway:Breakaway,deformation:Deformation,gravity:bool,force_law:ForceLaw,guard:GuardLimits}\n\
+Tuning{tier:Tier,samples:u16,sweeps:u8,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,breakaway:Breakaway,deformation:Deformation,gravity:bool,work:?u32,force_law:ForceLaw,guard:GuardLimits}\n\
 Event{tick:u64,what:What}\n\
 What=Frozen|Resumed|EmergencyStop|Rearmed|Tared|RecordingBegun|RecordingEnded|Mark\n\
 TickRecord{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],force:[f32;3],torque:[f32;3],contact_force:[f32;3],contact_torque:[f32;3],regions:u8,depth:f32,radius:f32,stick:f32,tier:Tier,flags:u32,wake_ns:u32,step_ns:u32,round_trip_ns:u32}\n\
-BakedScene{object:ObjectShape,fixed_below:f32,young_modulus:f32,poisson_ratio:f32,density:f32,compliance:?Compliance,probe:ProbeParts,mass:f32,inertia:?Inertia,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,tier:Tier,samples:u16,sweeps:u8,deformation:Deformation,coupling:Coupling,breakaway:Breakaway,gravity:bool,force_law:ForceLaw,guard:GuardLimits,paper_length:f32,place:Place}\n\
+BakedScene{object:ObjectShape,fixed_below:f32,young_modulus:f32,poisson_ratio:f32,density:f32,compliance:?Compliance,probe:ProbeParts,mass:f32,inertia:?Inertia,friction_static:f32,friction_dynamic:f32,region_distance:f32,max_regions:u8,tier:Tier,samples:u16,sweeps:u8,deformation:Deformation,coupling:Coupling,breakaway:Breakaway,gravity:bool,work:?u32,force_law:ForceLaw,guard:GuardLimits,paper_length:f32,place:Place}\n\
 ObjectShape=HalfSpace|Box{size:[f32;3]}|Sphere{radius:f32}|Ellipsoid{semi_axes:[f32;3]}|Cylinder{radius:f32,height:f32}|Mesh{grid:u8}\n\
 Compliance{normal:f32,drag:f32,twist:f32}\n\
 Inertia{moments:[f32;3],products:[f32;3]}\n\

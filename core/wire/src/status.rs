@@ -45,11 +45,13 @@ pub struct SessionHello {
     pub max_torque_unm: u32,
     /// What the real-time policy obtained.
     pub rt: RtReport,
+    /// What a tick may spend at first \[instructions of the core's x86-64 release build\]; `None` is no limit.
+    pub work: Option<u32>,
 }
 
 impl SessionHello {
     /// Postcard bytes at most, without the byte that names the message.
-    pub const MAX_ENCODED: usize = U16 + 2 * U32 + 24 + 2 * U32 + RtReport::MAX_ENCODED;
+    pub const MAX_ENCODED: usize = U16 + 2 * U32 + 24 + 2 * U32 + RtReport::MAX_ENCODED + (1 + U32);
 }
 
 /// How the session goes.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::device::{ENUM, F32, U16};
+use crate::device::{ENUM, F32, U16, U32};
 use crate::scene::{BakedScene, Breakaway, Deformation, ForceLaw, GuardLimits, Tier};
 
 /// All parameters that may change between ticks, in one piece: it holds for every tick after it. What a value may be, the core's constructor
@@ -29,6 +29,8 @@ pub struct Tuning {
     pub deformation: Deformation,
     /// Whether the probe's weight is felt.
     pub gravity: bool,
+    /// What a tick may spend \[instructions of the core's x86-64 release build\]; `None` is no limit.
+    pub work: Option<u32>,
     /// Normal force over depth.
     pub force_law: ForceLaw,
     /// Limits on the wrench; the device's hold beside them.
@@ -37,7 +39,8 @@ pub struct Tuning {
 
 impl Tuning {
     /// Postcard bytes at most.
-    pub const MAX_ENCODED: usize = ENUM + U16 + 1 + 3 * F32 + 1 + 2 * ENUM + 1 + ForceLaw::MAX_ENCODED + GuardLimits::MAX_ENCODED;
+    pub const MAX_ENCODED: usize =
+        ENUM + U16 + 1 + 3 * F32 + 1 + 2 * ENUM + 1 + (1 + U32) + ForceLaw::MAX_ENCODED + GuardLimits::MAX_ENCODED;
 
     /// What a scene begins with.
     #[must_use]
@@ -53,6 +56,7 @@ impl Tuning {
             breakaway: scene.breakaway,
             deformation: scene.deformation,
             gravity: scene.gravity,
+            work: scene.work,
             force_law: scene.force_law,
             guard: scene.guard,
         }

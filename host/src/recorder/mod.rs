@@ -361,6 +361,7 @@ mod tests {
         max_force_un: 1,
         max_torque_unm: 1,
         rt: RtReport { fifo: false, locked: false, pinned: false, dma_latency: false },
+        work: None,
     };
 
     fn origin() -> Origin {

@@ -176,6 +176,7 @@ impl<C: Clock> Control<C> {
             max_force_un: device.max_force_un,
             max_torque_unm: device.max_torque_unm,
             rt: self.settings.rt,
+            work: self.engine.get().tuning().work,
         }
     }
 

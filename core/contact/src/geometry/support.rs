@@ -32,7 +32,7 @@ pub fn support(shape: &ProbeShape<'_>, d: Vec3) -> Vec3 {
 }
 
 /// Samples that are asked for the farthest: a sixteenth of a ball's radius apart, near enough for the refinement to start.
-const ASKED_SAMPLES: usize = 256;
+pub(crate) const ASKED_SAMPLES: usize = 256;
 
 /// Farthest of a prefix of the samples along `d` \[m\].
 pub fn farthest_sample(mesh: &MeshShape<'_>, d: Vec3) -> Vec3 {

@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use crate::budget;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::model::Model;
 use crate::params::Params;
@@ -36,12 +37,13 @@ pub struct Look<'a> {
     pub rest: &'a [Vec3],
     /// With the motion of the whole body; without it only the surroundings of the contacts move.
     pub body: bool,
-    /// Most vertices to update in this call; their number or more updates the whole surface at once.
+    /// Most vertices to update in this call; their number or more updates the whole surface at once. Where the parameters set a work budget, no more
+    /// than what the last tick left of it has room for, none if need be: a surface gives way before the grip does.
     pub vertices: usize,
 }
 
 /// Updates the vertices whose turn it is, to the state that the last tick with the probe at `x_wp` left. Work is bounded by `look.vertices` times
-/// the patches. Vertices beyond the capacity are counted and stay at rest.
+/// the patches, and by what the tick has left of its budget. Vertices beyond the capacity are counted and stay at rest.
 pub fn deform<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const VERTICES: usize>(
     model: &Model<'_>,
     params: &Params,
@@ -51,7 +53,8 @@ pub fn deform<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, c
     surface: &mut SurfaceState<VERTICES>,
 ) -> Updated {
     let now = Surface { model, params, patches: state.patches(), p_wp: x_wp.position, body: look.body };
-    surface.update(&now, look.rest, look.vertices)
+    let left = budget::vertices_left(params, &state.memory, state.patches().len(), look.body);
+    surface.update(&now, look.rest, look.vertices.min(left))
 }
 
 #[cfg(test)]

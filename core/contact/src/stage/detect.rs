@@ -7,33 +7,65 @@ use heapless::VecView;
 
 use crate::footprint::Seat;
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::geometry::deepest::{deepest, is_clear, part_pose};
+use crate::geometry::deepest::{PartFrame, deepest, is_clear, part_pose};
+use crate::geometry::support::ASKED_SAMPLES;
+use crate::limits::MAX_PARTS;
 use crate::model::{Model, ProbePart};
 use crate::scratch::Contact;
 
-/// Finds every part that overlaps the object at probe pose `x_wp`. Returns how many found no room.
-pub fn detect(model: &Model<'_>, x_wp: &Pose<World, ProbeFrame>, contacts: &mut VecView<Contact>) -> u32 {
-    let mut left_out = 0;
-    for (index, part) in model.probe.iter().enumerate() {
-        if let Some(contact) = contact_of(model, index as u8, part, x_wp) {
-            left_out += keep_deepest(contacts, contact);
-        }
-    }
-    left_out
+/// What was found beside the contacts.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Contacts that found no room.
+    pub left_out: u32,
+    /// Parts that were looked at closely.
+    pub near: Near,
 }
 
-fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart<'_>, x_wp: &Pose<World, ProbeFrame>) -> Option<Contact> {
-    let x_wa = part_pose(part, x_wp);
-    if is_clear(&model.object, part, &x_wa) {
-        return None;
+/// Parts whose bounding ball meets the object: those that cost more than the test.
+#[derive(Clone, Copy, Debug)]
+pub struct Near(u16);
+
+const _: () = assert!(MAX_PARTS <= u16::BITS as usize, "a bit for each part");
+
+impl Near {
+    /// The parts, in their order in the probe, with their indices.
+    pub fn parts<'p, 'a>(self, probe: &'p [ProbePart<'a>]) -> impl Iterator<Item = (usize, &'p ProbePart<'a>)> {
+        probe.iter().enumerate().filter(move |(index, _)| self.0.wrapping_shr(*index as u32) & 1 != 0)
     }
-    let at = deepest(&model.object, part, &x_wa);
+}
+
+/// Finds every part that overlaps the object at probe pose `x_wp`; a mesh is asked for so many samples.
+pub fn detect(model: &Model<'_>, x_wp: &Pose<World, ProbeFrame>, asked: usize, contacts: &mut VecView<Contact>) -> Found {
+    let mut found = Found { left_out: 0, near: Near(0) };
+    for (index, part) in model.probe.iter().enumerate() {
+        let x_wa = part_pose(part, x_wp);
+        if is_clear(&model.object, part, &x_wa) {
+            continue;
+        }
+        found.near.0 |= 1_u16.wrapping_shl(index as u32);
+        let coarser;
+        let part = if asked < ASKED_SAMPLES {
+            coarser = part.coarser(asked);
+            &coarser
+        } else {
+            part
+        };
+        if let Some(contact) = contact_of(model, index as u8, part, &x_wa) {
+            found.left_out += keep_deepest(contacts, contact);
+        }
+    }
+    found
+}
+
+fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Option<Contact> {
+    let at = deepest(&model.object, part, x_wa);
     let depth = -at.gap.distance;
     // also false for a depth that is not a number
     if !(depth > 0.0 && at.gap.normal.is_finite()) {
         return None;
     }
-    let seat = Seat::new(model, part, &x_wa, &at);
+    let seat = Seat::new(model, part, x_wa, &at);
     let centre = seat.centroid(depth).map_or(at.point, |p_a| x_wa.point(p_a));
     Some(Contact { part: index, centre, normal: at.gap.normal, depth, seat })
 }

@@ -20,9 +20,7 @@ const PASSES_AT_BIRTH: usize = 3;
 
 /// Sets footprint and body compliance of every patch.
 pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch]) -> Flags {
-    let newborn = patches.last().is_some_and(|patch| patch.footprint == Footprint::NONE);
-    let passes = if newborn && patches.len() > 1 { PASSES_AT_BIRTH } else { 1 };
-    for _ in 0..passes {
+    for _ in 0..passes(patches) {
         for i in 0..patches.len() {
             let displaced = displaced_by_others(model, patches, i);
             let pressed = footprint(model, params, contacts, &patches[i], displaced);
@@ -37,6 +35,12 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
         }
     }
     flags
+}
+
+/// Passes over the patches in this tick.
+pub fn passes(patches: &[Patch]) -> usize {
+    let newborn = patches.last().is_some_and(|patch| patch.footprint == Footprint::NONE);
+    if newborn && patches.len() > 1 { PASSES_AT_BIRTH } else { 1 }
 }
 
 fn displaced_by_others(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {

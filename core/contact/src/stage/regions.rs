@@ -121,30 +121,30 @@ fn group(distance: f32, patches: &mut VecView<Patch>) {
     for (index, patch) in patches.iter_mut().enumerate() {
         patch.region = index as u8;
     }
-    // labels only fall; the longest chain of neighbours has as many links as there are patches
-    for _ in 0..patches.len() {
-        let mut changed = false;
-        for i in 0..patches.len() {
-            for j in 0..i {
-                changed |= join(distance, patches, i, j);
+    for i in 0..patches.len() {
+        for j in 0..i {
+            if is_apart(distance, &patches[i], &patches[j]) {
+                continue;
             }
-        }
-        if !changed {
-            break;
+            join(patches, i, j);
         }
     }
     number_from_zero(patches);
 }
 
-fn join(distance: f32, patches: &mut [Patch], i: usize, j: usize) -> bool {
-    let (a, b) = (patches[i], patches[j]);
-    if a.region == b.region || rim_distance(&a, b.centre, b.footprint.radius) >= distance {
-        return false;
+/// True for patches of one group, and for patches farther from each other than `distance`.
+fn is_apart(distance: f32, a: &Patch, b: &Patch) -> bool {
+    a.region == b.region || rim_distance(a, b.centre, b.footprint.radius) >= distance
+}
+
+/// Gives the groups of two patches the older group's label. Groups can be joined one time fewer than there are patches, most of which stay apart.
+#[cold]
+fn join(patches: &mut [Patch], i: usize, j: usize) {
+    let (a, b) = (patches[i].region, patches[j].region);
+    let (kept, joined) = if a < b { (a, b) } else { (b, a) };
+    for patch in patches.iter_mut().filter(|patch| patch.region == joined) {
+        patch.region = kept;
     }
-    let label = if a.region < b.region { a.region } else { b.region };
-    patches[i].region = label;
-    patches[j].region = label;
-    true
 }
 
 /// Makes the labels 0, 1, 2, ... in birth order.

@@ -2,6 +2,7 @@
 
 use heapless::VecView;
 
+use crate::budget::Rung;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::limits::MIN_SAMPLES;
 use crate::model::Model;
@@ -9,7 +10,7 @@ use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::stage::ground::{self, Ground};
-use crate::tier::bristle::{self, AROUND};
+use crate::tier::bristle::{self, AROUND, Layout};
 use crate::tier::influence::{self, Stored};
 use crate::tier::{Hold, paper, point};
 
@@ -26,10 +27,11 @@ pub struct Workspace<'a> {
     pub grounds: &'a mut VecView<Ground>,
 }
 
-/// Sets the grip of every patch. `changed` says that the parameters are not those of the last tick.
+/// Sets the grip of every patch, as finely as the rung says. `changed` says that the parameters or the rung are not those of the last tick.
 pub fn hold(
     model: &Model<'_>,
     params: &Params,
+    rung: Rung,
     patches: &mut [Patch],
     mut work: Workspace<'_>,
     x_wp: &Pose<World, ProbeFrame>,
@@ -39,37 +41,43 @@ pub fn hold(
         patches.iter_mut().for_each(Patch::forget_friction);
         return Flags::CLEAN;
     }
-    match params.tier {
-        Tier::Paper => paper::hold(model, params, patches, x_wp),
+    match rung.tier {
+        Tier::Paper => paper::hold(model, params, usize::from(rung.samples), patches, x_wp),
         Tier::Point => {
             each(model, params, patches, work.grounds, changed, point::advance);
             Flags::CLEAN
         }
-        Tier::Bristle => hold_bristles(model, params, patches, &mut work, changed),
-        Tier::Influence => hold_cells(model, params, patches, &mut work, changed),
+        Tier::Bristle => hold_bristles(model, params, rung, patches, &mut work, changed),
+        Tier::Influence => hold_cells(model, params, rung, patches, &mut work, changed),
         Tier::Green => {
             // without a table the body is the closed forms', as in tier `influence`
             let lowered = if model.green.is_some() { Flags::CLEAN } else { Flags::TIER_LOWERED };
-            lowered | hold_cells(model, params, patches, &mut work, changed)
+            lowered | hold_cells(model, params, rung, patches, &mut work, changed)
         }
     }
 }
 
 /// Tier `bristle`, with fewer rings where the state has no room for all, and in closed form where it has room for none.
-fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
+fn hold_bristles(
+    model: &Model<'_>,
+    params: &Params,
+    rung: Rung,
+    patches: &mut [Patch],
+    work: &mut Workspace<'_>,
+    changed: bool,
+) -> Flags {
     let Workspace { stored, per_slot, grounds, .. } = work;
     if *per_slot < MIN_SAMPLES {
         each(model, params, patches, grounds, changed, point::advance);
         return Flags::TIER_LOWERED;
     }
-    let room = *per_slot / AROUND;
-    let lowered = params.layout.rings > room;
+    let (rings, flags) = fitting(usize::from(rung.samples), *per_slot);
     let fewer;
-    let layout = if lowered {
-        fewer = params.layout.at_most(room);
-        &fewer
-    } else {
+    let layout = if rings == params.layout.rings {
         &params.layout
+    } else {
+        fewer = params.layout.with(rings);
+        &fewer
     };
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
@@ -77,24 +85,31 @@ fn hold_bristles(model: &Model<'_>, params: &Params, patches: &mut [Patch], work
             bristle::advance(hold, layout, patch, cells);
         }
     });
-    if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN }
+    flags
 }
 
 /// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
-fn hold_cells(model: &Model<'_>, params: &Params, patches: &mut [Patch], work: &mut Workspace<'_>, changed: bool) -> Flags {
+fn hold_cells(
+    model: &Model<'_>,
+    params: &Params,
+    rung: Rung,
+    patches: &mut [Patch],
+    work: &mut Workspace<'_>,
+    changed: bool,
+) -> Flags {
     let room = if work.traced { work.per_slot } else { 0 };
-    let Some(layout) = influence::Layout::fitting(params.samples, room) else {
-        return hold_bristles(model, params, patches, work, changed) | Flags::TIER_LOWERED;
+    let Some(layout) = influence::Layout::fitting(usize::from(rung.samples), room) else {
+        return hold_bristles(model, params, rung, patches, work, changed) | Flags::TIER_LOWERED;
     };
     let Workspace { stored: Stored { force, trace }, per_slot, grounds, .. } = work;
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         let (forces, traces) = (force.get_mut(start..start + *per_slot), trace.get_mut(start..start + *per_slot));
         if let (Some(force), Some(trace)) = (forces, traces) {
-            influence::advance(hold, &model.material, &layout, params.sweeps, patch, &mut Stored { force, trace });
+            influence::advance(hold, &model.material, &layout, usize::from(rung.sweeps), patch, &mut Stored { force, trace });
         }
     });
-    if layout.cells < params.samples { Flags::TIER_LOWERED } else { Flags::CLEAN }
+    if layout.cells < usize::from(rung.samples) { Flags::TIER_LOWERED } else { Flags::CLEAN }
 }
 
 /// Advances every patch that moved, was pressed, or has new parameters, oldest first, each on the ground as the latest grips have moved it.
@@ -117,6 +132,12 @@ fn each(
             ground::take_up(grounds.get_mut(i), patch);
         }
     }
+}
+
+/// Rings of so many bristles, as far as the state has room for them.
+const fn fitting(samples: usize, per_slot: usize) -> (usize, Flags) {
+    let (rings, room) = (Layout::rings_of(samples), per_slot / AROUND);
+    if rings <= room { (rings, Flags::CLEAN) } else { (room, Flags::TIER_LOWERED) }
 }
 
 /// Nothing moved and nothing was pressed: a quasi-static contact stays as it is, to the bit.

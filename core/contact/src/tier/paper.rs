@@ -58,8 +58,8 @@ pub fn torque_of_sample(r: f32, torsional_force: f32) -> f32 {
 /// twisted column ends.
 pub const SHORTEST_LENGTH: f32 = 1.0;
 
-/// Sets grip and torsion of every patch.
-pub fn hold(model: &Model<'_>, params: &Params, patches: &mut [Patch], x_wp: &Pose<World, ProbeFrame>) -> Flags {
+/// Sets grip and torsion of every patch, with `count` samples each.
+pub fn hold(model: &Model<'_>, params: &Params, count: usize, patches: &mut [Patch], x_wp: &Pose<World, ProbeFrame>) -> Flags {
     let several = regions::count(patches) > 1;
     let mut flags = Flags::CLEAN;
     for patch in patches.iter_mut() {
@@ -70,7 +70,7 @@ pub fn hold(model: &Model<'_>, params: &Params, patches: &mut [Patch], x_wp: &Po
         }
         let l = Length::of(model, patch, direction(patch.paper.turned, patch.normal));
         translate(model, params, patch, &l);
-        let (torque, stick) = twist(model, params, patch, x_wp, several);
+        let (torque, stick) = twist(&Samples::of(model, params, count, patch, x_wp.position), several);
         patch.paper.torque = torque;
         patch.grip.stick = stick;
         if l.floored && patch.paper.torque != Vec3::ZERO {
@@ -128,15 +128,14 @@ fn translate(model: &Model<'_>, params: &Params, patch: &mut Patch, l: &Length) 
 }
 
 /// Section V: torsion acts where the axis goes through the region, kinetic everywhere when there are several regions.
-fn twist(model: &Model<'_>, params: &Params, patch: &Patch, x_wp: &Pose<World, ProbeFrame>, several: bool) -> (Vec3, f32) {
+fn twist(samples: &Samples<'_, '_>, several: bool) -> (Vec3, f32) {
+    let patch = samples.patch;
     let phi = root(patch.paper.turned.length_squared());
-    let axis = direction(patch.paper.turned, patch.normal);
-    if phi <= 0.0 || !goes_through(patch, x_wp.position, axis) {
+    if phi <= 0.0 || !goes_through(patch, samples.origin, samples.axis) {
         return (Vec3::ZERO, if patch.paper.sliding { 0.0 } else { 1.0 });
     }
-    let samples = Samples { model, params, patch, axis, origin: x_wp.position };
     let (torque, stick) = if several { (samples.kinetic_torque(), 0.0) } else { samples.torque(phi) };
-    (axis * -torque, stick)
+    (samples.axis * -torque, stick)
 }
 
 /// True when the line through `p` along `axis` crosses the patch's disc.
@@ -153,6 +152,7 @@ fn goes_through(patch: &Patch, p: Vec3, axis: Vec3) -> bool {
 struct Samples<'s, 'm> {
     model: &'s Model<'m>,
     params: &'s Params,
+    count: usize,
     patch: &'s Patch,
     axis: Vec3,
     origin: Vec3,
@@ -161,28 +161,28 @@ struct Samples<'s, 'm> {
 /// Turn between neighbours of the sunflower, the golden angle 2.39996 rad, as the unit complex number (cos, sin).
 const GOLDEN: Vec2 = Vec2::new(-0.737_368_9, 0.675_490_3);
 
-impl Samples<'_, '_> {
-    fn count(&self) -> usize {
-        self.params.samples
+impl<'s, 'm> Samples<'s, 'm> {
+    fn of(model: &'s Model<'m>, params: &'s Params, count: usize, patch: &'s Patch, origin: Vec3) -> Self {
+        Self { model, params, count, patch, axis: direction(patch.paper.turned, patch.normal), origin }
     }
 
     fn ds(&self) -> f32 {
         let a = self.patch.footprint.radius;
-        PI * a * a / self.count() as f32
+        PI * a * a / self.count as f32
     }
 
     fn f_max(&self) -> f32 {
-        self.params.mu_s * self.patch.footprint.load / self.count() as f32
+        self.params.mu_s * self.patch.footprint.load / self.count as f32
     }
 
     fn f_d(&self) -> f32 {
-        self.params.mu_d * self.patch.footprint.load / self.count() as f32
+        self.params.mu_d * self.patch.footprint.load / self.count as f32
     }
 
     /// For each sample its distance r_i from the axis, and l_i to the fixed point along it.
     fn places(&self) -> impl Iterator<Item = (f32, f32)> {
         let mut around = Vec2::X;
-        (0..self.count()).map(move |i| {
+        (0..self.count).map(move |i| {
             let place = self.place(i, around);
             around = GOLDEN.rotate(around);
             place
@@ -192,7 +192,7 @@ impl Samples<'_, '_> {
     /// Sample i, which stands in direction `around` on the disc.
     fn place(&self, i: usize, around: Vec2) -> (f32, f32) {
         let a = self.patch.footprint.radius;
-        let radius = a * root((i as f32 + 0.5) / self.count() as f32);
+        let radius = a * root((i as f32 + 0.5) / self.count as f32);
         let p = self.patch.centre + self.patch.to_world(around * radius);
         let arm = p - self.origin;
         let across = arm - self.axis * arm.dot(self.axis);
@@ -219,7 +219,7 @@ impl Samples<'_, '_> {
             torque += torque_of_sample(r, force);
             stuck += usize::from(sticks);
         }
-        (torque, stuck as f32 / self.count() as f32)
+        (torque, stuck as f32 / self.count as f32)
     }
 
     /// Equation (14): every small region slides.

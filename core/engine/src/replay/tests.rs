@@ -63,6 +63,7 @@ impl Author {
             max_force_un: 3_000_000,
             max_torque_unm: 100_000,
             rt: haptor_wire::RtReport::default(),
+            work: None,
         }));
         self.say(Record::Tuning(tuning));
         self.say(Record::Place(place));

@@ -40,6 +40,7 @@ impl Scene {
             coupling: self.extras.coupling,
             breakaway: breakaway(params.breakaway),
             gravity: params.gravity,
+            work: params.work,
             force_law: force_law(&params.force_law),
             guard: guard(&self.extras.asked),
             paper_length: spec.paper_length,

@@ -1,6 +1,6 @@
 //! `[friction]`, `[contact]`, `[model]`, `[guard]`: what may change without changing the bodies.
 
-use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ParamsSpec, Tier};
+use haptor_contact::{Breakaway, ForceLaw, GuardSpec, MAX_WORK, MIN_WORK, ParamsSpec, Tier};
 use haptor_wire::{Coupling, Deformation};
 
 use super::coupling;
@@ -36,6 +36,7 @@ const DEFORMATION: Key = key("deformation", "none, local or full", "\"full\"");
 const COUPLING: Key = key("coupling", "direct or virtual", "\"direct\"");
 const BREAKAWAY: Key = key("breakaway", "smooth or sharp", "\"smooth\"");
 const GRAVITY: Key = key("gravity", "true or false", "false");
+const WORK: Key = key("work", "a whole number of instructions, 1e4 to 1e9; leave it out for no limit", "300000");
 const PAPER_LENGTH: Key = key("paper_length", "a number, 1e-6 to 1e2 m", "0.1");
 const FORCE_LAW: Key = key("force_law", "a table with kind = hertz, cubic or table", "{ kind = \"hertz\" }");
 const KIND: Key = key("kind", "hertz, cubic or table", "\"hertz\"");
@@ -112,6 +113,7 @@ pub fn model(root: &Section<'_, '_>, section: Option<&Section<'_, '_>>, params: 
     let manners = [("smooth", Breakaway::Smooth), ("sharp", Breakaway::Sharp)];
     set(&mut params.breakaway, section.optional_word(BREAKAWAY, &manners)?);
     set(&mut params.gravity, section.optional_flag(GRAVITY)?);
+    set(&mut params.work, work(section)?.map(Some));
     extras.paper_length = section.optional_number(PAPER_LENGTH)?;
     let law = section.optional_section(FORCE_LAW)?;
     set(&mut params.force_law, law.map(|inner| force_law(&inner)).transpose()?);
@@ -147,6 +149,14 @@ fn sweeps(section: &Section<'_, '_>) -> Result<Option<u8>, SceneError> {
     match u8::try_from(count) {
         Ok(sweeps) if (1..=MAX_SWEEPS).contains(&count) => Ok(Some(sweeps)),
         _ => Err(section.error("sweeps", &format!("allowed is {}; correct the value", SWEEPS.allowed))),
+    }
+}
+
+fn work(section: &Section<'_, '_>) -> Result<Option<u32>, SceneError> {
+    let Some(count) = section.optional_count(WORK)? else { return Ok(None) };
+    match u32::try_from(count) {
+        Ok(work) if (MIN_WORK..=MAX_WORK).contains(&work) => Ok(Some(work)),
+        _ => Err(section.error("work", &format!("allowed is {}; correct the value", WORK.allowed))),
     }
 }
 

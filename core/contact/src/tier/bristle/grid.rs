@@ -8,6 +8,7 @@ use glam::Vec2;
 
 use crate::math::{clamp, max, min};
 use crate::patch::Grip;
+use crate::tier::Hold;
 use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::{AROUND, Bristle, Layout, MAX_RINGS};
 
@@ -30,13 +31,14 @@ const FEWEST: f32 = 0.6;
 
 impl Grid {
     /// Lays the grid anew when `radius` has left its range or the number of rings has changed; a new grid takes up what is `held`.
-    pub fn fit(&mut self, layout: &Layout, radius: f32, held: &Grip, bristles: &mut [Bristle]) {
+    pub fn fit(&mut self, layout: &Layout, hold: &Hold, held: &Grip, bristles: &mut [Bristle]) {
+        let radius = hold.radius;
         let rings = layout.rings as f32;
         let fresh = radius / (FRESH * rings);
         if self.width <= 0.0 {
             bristles.fill(Bristle::default());
             self.width = fresh;
-            seed(layout, fresh, radius, held, bristles);
+            seed(layout, fresh, hold, held, bristles);
         } else if self.rings != layout.rings || radius > self.width * rings || radius < self.width * FEWEST * rings {
             share_out(layout, self, fresh, bristles);
             self.width = fresh;
@@ -45,19 +47,17 @@ impl Grid {
     }
 }
 
-/// Spreads a grip that another tier held: the force by area, the torque as a hoop force that grows with the radius.
-fn seed(layout: &Layout, width: f32, radius: f32, held: &Grip, bristles: &mut [Bristle]) {
+/// Spreads a grip that another tier held by the load, force and hoop force alike: as a contact in full slip holds it, so that no cap cuts what was held.
+fn seed(layout: &Layout, width: f32, hold: &Hold, held: &Grip, bristles: &mut [Bristle]) {
     if held.force == Vec2::ZERO && held.torque == 0.0 {
         return;
     }
-    let share = |k: usize| {
-        let (inner, outer) = (min(width * k as f32 / radius, 1.0), min(width * (k + 1) as f32 / radius, 1.0));
-        (outer * outer - inner * inner) / AROUND as f32
-    };
-    let arms: f32 = (0..layout.rings).map(|k| share(k) * middle(width, k) * middle(width, k)).sum::<f32>() * AROUND as f32;
+    let inside = |k: usize| hold.profile.inside(min(width * k as f32 / hold.radius, 1.0)).load;
+    let share = |k: usize| (inside(k + 1) - inside(k)) / AROUND as f32;
+    let arms: f32 = (0..layout.rings).map(|k| share(k) * middle(width, k)).sum::<f32>() * AROUND as f32;
     for (k, cells) in bristles.chunks_exact_mut(AROUND).take(layout.rings).enumerate() {
         for (j, cell) in cells.iter_mut().enumerate() {
-            let hoop = layout.direction(k, j).perp() * (held.torque * middle(width, k) / arms);
+            let hoop = layout.direction(k, j).perp() * (held.torque / arms);
             cell.force = (held.force + hoop) * share(k);
         }
     }

@@ -52,17 +52,21 @@ const GOLDEN_TURN: f32 = 1.941_611;
 impl Layout {
     /// Layout of at most `samples` bristles.
     pub fn new(samples: usize) -> Self {
-        let rings = if samples / AROUND < MAX_RINGS { samples / AROUND } else { MAX_RINGS };
         let directions = core::array::from_fn(|k| {
             let angle = GOLDEN_TURN * k as f32;
             Vec2::new(cos(angle), sin(angle))
         });
-        Self { rings, directions }
+        Self { rings: Self::rings_of(samples), directions }
     }
 
-    /// The same with at most `rings` rings.
-    pub fn at_most(&self, rings: usize) -> Self {
-        Self { rings: self.rings.min(rings), ..*self }
+    /// Rings of at most `samples` bristles.
+    pub const fn rings_of(samples: usize) -> usize {
+        if samples / AROUND < MAX_RINGS { samples / AROUND } else { MAX_RINGS }
+    }
+
+    /// The same with `rings` rings.
+    pub const fn with(&self, rings: usize) -> Self {
+        Self { rings, ..*self }
     }
 
     /// Rotation from the place of ring `from` to that of ring `to`, as the unit complex number (cos, sin).
@@ -83,7 +87,7 @@ pub fn advance(hold: &Hold, layout: &Layout, patch: &mut Patch, bristles: &mut [
     if hold.load <= 0.0 || hold.radius <= 0.0 {
         return let_go(patch, bristles);
     }
-    patch.grid.fit(layout, hold.radius, &patch.grip, bristles);
+    patch.grid.fit(layout, hold, &patch.grip, bristles);
     let rings = Rings::new(hold, layout, &patch.grid);
     let kept = 1.0 - rolled_away(patch.motion.rolled, hold.radius);
     grid::thin(layout, &rings, bristles, kept);

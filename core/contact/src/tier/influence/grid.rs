@@ -6,7 +6,7 @@
 
 use glam::Vec2;
 
-use crate::math::{PI, sqrt};
+use crate::math::{PI, max, root, sqrt};
 use crate::patch::{Grip, Shift};
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::cells::reached;
@@ -95,15 +95,24 @@ pub fn centred(cells: &mut [Bristle]) -> impl Iterator<Item = (Vec2, &mut Bristl
     places.flat_map(|(place, images)| images.iter_mut().enumerate().map(|(image, cell)| (centre(*place, image), cell)))
 }
 
-/// Spreads a grip over the cells in contact: the force evenly, the torque as a hoop force that grows with the radius.
+/// Spreads a grip over the cells in contact by the load of a round contact, force and hoop force alike: as a contact in full slip holds it, so that no
+/// cap cuts what was held.
 fn seed(layout: &Layout, grid: &Grid, held: &Grip, cells: &mut [Bristle]) {
     if held.force == Vec2::ZERO && held.torque == 0.0 {
         return;
     }
     let count = IMAGES * reached(grid.radius / grid.width, layout.places());
     let inside = cells.get_mut(..count).unwrap_or_default();
-    let arms = grid.width * centred(inside).map(|(at, _)| at.length_squared()).sum::<f32>();
+    let reach = grid.radius / grid.width;
+    let load = |at: Vec2| root(max(1.0 - at.length_squared() / (reach * reach), 0.0));
+    let (mut loads, mut arms) = (0.0, 0.0);
+    for (at, _) in centred(inside) {
+        loads += load(at);
+        arms += grid.width * load(at) * root(at.length_squared());
+    }
     for (at, cell) in centred(inside) {
-        cell.force = held.force / count as f32 + at.perp() * (held.torque / arms);
+        // no cell is centred on the patch
+        let hoop = at.perp() * (held.torque / (arms * root(at.length_squared())));
+        cell.force = (held.force / loads + hoop) * load(at);
     }
 }

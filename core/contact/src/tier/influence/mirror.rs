@@ -69,6 +69,7 @@ impl Place {
 /// Places whose centres are less than `half` cells from the middle: what a contact that fits the square can reach.
 pub const fn within(half: usize) -> usize {
     let (mut count, mut k) = (0, 0);
+    // bound: HALF squared places
     while k < HALF * HALF {
         let place = Place { column: k % HALF, row: k / HALF };
         if place.distance2() < (half * half) as f32 {
@@ -88,6 +89,7 @@ pub const ORDER: [Place; PLACES] = order();
 const fn order() -> [Place; PLACES] {
     let mut sorted = [Place { column: 0, row: 0 }; PLACES];
     let (mut n, mut last) = (0, None);
+    // bound: PLACES, when the program is built
     while n < PLACES {
         let next = following(last);
         sorted[n] = next;
@@ -101,6 +103,7 @@ const fn order() -> [Place; PLACES] {
 const fn following(last: Option<usize>) -> Place {
     let mut best = Place { column: HALF, row: HALF };
     let mut k = 0;
+    // bound: HALF squared places
     while k < HALF * HALF {
         let place = Place { column: k % HALF, row: k / HALF };
         let above = match last {
@@ -134,6 +137,7 @@ const fn pairs() -> [[Pair; PLACES]; PLACES] {
     let none = Lanes([0.0; IMAGES]);
     let mut pairs = [[Pair { round: none, long: none, cross: none }; PLACES]; PLACES];
     let mut k = 0;
+    // bound: PLACES squared, when the program is built
     while k < PLACES * PLACES {
         pairs[k / PLACES][k % PLACES] = pair(ORDER[k / PLACES], ORDER[k % PLACES]);
         k += 1;
@@ -145,6 +149,7 @@ const fn pair(to: Place, from: Place) -> Pair {
     let none = [0.0; IMAGES];
     let (mut round, mut long, mut cross) = (none, none, none);
     let mut image = 0;
+    // bound: IMAGES, when the program is built
     while image < IMAGES {
         let (dx, back) = offset(to.column, from.column, image % 2 == 1);
         let (dy, down) = offset(to.row, from.row, image / 2 == 1);

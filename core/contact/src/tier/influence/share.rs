@@ -51,6 +51,7 @@ fn gather([x, y, slipped]: [Quarter; 3], cells: &mut [Bristle]) {
     for (place, cells) in ORDER.iter().zip(images) {
         let mut sum = at([&x, &y, &slipped], place.row, place.column);
         let (mut row, mut column) = (place.row + 1, place.column + 1);
+        // bound: HALF steps along the diagonal
         while row < HALF && column < HALF && (Place { column, row }).distance2() > reach {
             let [of_x, of_y, most] = at([&x, &y, &slipped], row, column);
             sum = [sum[0] + of_x, sum[1] + of_y, Lanes(core::array::from_fn(|i| max(sum[2].0[i], most.0[i])))];

@@ -1,0 +1,144 @@
+//! What one unit of work costs, in instructions of the x86-64 release build: the only place where such figures stand.
+//!
+//! Each is fitted from rows of `tests/bench/COUNTS.md`, column *worst*, and rounded up; the rows are named. `cargo test -p haptor-tests --test it --
+//! budget::estimates --nocapture` prints every row beside its estimate and what the difference would make of the figure it was fitted from: after a change
+//! of the core that moves counts, run `cargo xtask counts`, then that, and put new values here. The test fails when an estimate is
+//! below a counted row, or further above it than it may be.
+//!
+//! Figures of pairs are the dearest of a motion that tilts and walks over edges, not a proof: what is bounded by construction is how often each loop
+//! turns (`bounds.md`); what a turn costs is counted.
+
+use crate::model::{ObjectShape, ProbeShape};
+
+/// A tick without a part, the ladder's own work included. "no contact, one part" less [`PART`], and "base, work to spare" less "base".
+pub const TICK: u32 = 1_750;
+
+/// A tick whose pose is that of the tick before, or is refused. "base, held still".
+pub const STILL: u32 = 700;
+
+/// A part's bounding ball against the object. "no contact, ten parts" less "no contact, one part", by 9.
+pub const PART: u32 = 140;
+
+/// The same on an object given by a mesh. "no contact, ten parts, mesh" less [`TICK`], by 10.
+pub const PART_ON_MESH: u32 = 1_400;
+
+/// Moving the probe on its coupling. "no friction, virtual coupling" less "no friction, half space, one region, twist".
+pub const COUPLING: u32 = 4_200;
+
+/// The guard's account of energy. "base, guard with passivity" less "base".
+pub const PASSIVITY: u32 = 400;
+
+/// Objects of [`PAIR`].
+pub const OBJECTS: usize = 8;
+
+/// Shapes of [`PAIR`].
+pub const SHAPES: usize = 7;
+
+/// Finding, following and pressing one contact, the samples that a mesh is asked for apart. "SHAPE on OBJECT" less "no contact, one part", the first rows of box and cylinder from "SHAPE on wide OBJECT"; for a mesh
+/// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`].
+pub const PAIR: [[u32; SHAPES]; OBJECTS] = [
+    [1_900, 17_200, 2_700, 4_500, 6_200, 3_900, 171_000],
+    [2_950, 25_500, 18_000, 13_500, 15_000, 13_700, 180_000],
+    [3_500, 680_000, 6_800, 99_000, 170_000, 44_500, 183_000],
+    [5_700, 475_000, 34_000, 86_500, 134_000, 65_500, 189_000],
+    [3_700, 26_000, 18_600, 14_100, 15_600, 14_200, 183_000],
+    [29_500, 775_000, 108_000, 192_000, 263_000, 138_000, 203_000],
+    [2_950, 213_000, 115_000, 169_000, 175_000, 131_000, 190_000],
+    [3_700, 360_000, 93_500, 495_000, 460_000, 165_000, 308_000],
+];
+
+/// One more sample that a mesh is asked for, by all that ask on an object. "mesh on OBJECT" less "mesh of 32 on OBJECT", by 224. Rows as [`object_row`].
+pub const SAMPLE: [u32; OBJECTS] = [16, 80, 80, 72, 80, 78, 420, 120];
+
+/// What two patches cost each other beside friction: groups, dents; for each patch and each other. "no friction, half space, ten regions, twist" less
+/// ten parts and pairs, by 90.
+pub const NEIGHBOUR: u32 = 130;
+
+/// Joining two regions beyond the limit: for each patch and each other. Counted as [`NEIGHBOUR`] is, which holds one look at every pair.
+pub const EXCESS: u32 = 65;
+
+/// Pressing a ball once more in a tick with a birth. "no friction, box, ten regions, births" less its steady row, with [`DENT_AGAIN`]. Other shapes: all of [`PAIR`].
+pub const BALL_AGAIN: u32 = 650;
+
+/// The dent of a neighbour once more: for each patch and each other.
+pub const DENT_AGAIN: u32 = 50;
+
+/// What the body's table adds to pressing a patch. "no friction, box with a table, one region" less "no friction, box, one region, twist".
+pub const TABLE: u32 = 4_000;
+
+/// The same for each patch and each other. "no friction, box with a table, ten regions" less "no friction, box, ten regions, twist" and ten [`TABLE`], by 90.
+pub const TABLE_NEIGHBOUR: u32 = 8_100;
+
+/// The ground under a patch that friction holds, where there is a body. "point, sphere on box" less "sphere on box" and [`POINT`].
+pub const GROUND: u32 = 2_600;
+
+/// How the grip of a patch moves the ground of another: for each patch and each other. "point, half space, ten regions, slide" less its row
+/// without friction and ten [`POINT`], by 90.
+pub const GROUND_NEIGHBOUR: u32 = 490;
+
+/// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
+pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;
+
+/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space".
+pub const POINT: u32 = 3_200;
+
+/// Tier `paper`, a patch and a sample. "paper 64, half space, one region, slide" and "twist" less their rows without friction.
+pub const PAPER: u32 = 300;
+/// See [`PAPER`].
+pub const PAPER_SAMPLE: u32 = 134;
+
+/// Tier `bristle`, a patch and a sample. "base, bristle 16", "base" and "base, bristle 256" less "no friction, half space, one region, twist"; ten regions ask for more
+/// of a sample than one.
+pub const BRISTLE: u32 = 2_300;
+/// See [`BRISTLE`].
+pub const BRISTLE_SAMPLE: u32 = 430;
+
+/// Tiers `influence` and `green`: a place with its four cells once a tick (loads, laying the grid anew, taking and giving back), a visit of it, and what one other place pulls
+/// at it in a visit. "base, influence 52, one sweep", "influence 52, box, one region, slide" and "base, influence 112" less their rows without friction.
+pub const PLACE: u32 = 1_700;
+/// See [`PLACE`].
+pub const VISIT: u32 = 190;
+/// See [`PLACE`].
+pub const PULL: u32 = 20;
+
+/// A call for the surface: what does not depend on the point. "surface of 64, ..." less 64 vertices; with [`SHOWN_BODY`] for the motion of the body, and
+/// [`SHOWN_PATCH`] a patch.
+pub const SHOWN: u32 = 57_000;
+/// See [`SHOWN`].
+pub const SHOWN_BODY: u32 = 99_000;
+/// See [`SHOWN`].
+pub const SHOWN_PATCH: u32 = 12_000;
+
+/// A vertex of the surface: "surface of 4096, ..." less "surface of 64, ...", by 4032; with [`VERTEX_BODY`] for the motion of the body, and [`VERTEX_PATCH`] a patch.
+pub const VERTEX: u32 = 56;
+/// See [`VERTEX`].
+pub const VERTEX_BODY: u32 = 100;
+/// See [`VERTEX`].
+pub const VERTEX_PATCH: u32 = 65;
+
+/// Row of an object in [`PAIR`], with an edge of it within the part's reach or without.
+pub const fn object_row(object: &ObjectShape<'_>, edge: bool) -> usize {
+    match object {
+        ObjectShape::HalfSpace => 0,
+        ObjectShape::Box { .. } if edge => 6,
+        ObjectShape::Cylinder { .. } if edge => 7,
+        ObjectShape::Box { .. } => 1,
+        ObjectShape::Sphere { .. } => 2,
+        ObjectShape::Ellipsoid { .. } => 3,
+        ObjectShape::Cylinder { .. } => 4,
+        ObjectShape::Mesh(_) => 5,
+    }
+}
+
+/// Column of a part's shape in [`PAIR`].
+pub const fn shape_column(shape: &ProbeShape<'_>) -> usize {
+    match shape {
+        ProbeShape::Sphere { .. } => 0,
+        ProbeShape::Box { .. } => 1,
+        ProbeShape::Ellipsoid { .. } => 2,
+        ProbeShape::Capsule { .. } => 3,
+        ProbeShape::Cylinder { .. } => 4,
+        ProbeShape::Cone { .. } => 5,
+        ProbeShape::Mesh(_) => 6,
+    }
+}
