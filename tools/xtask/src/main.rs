@@ -142,7 +142,6 @@ fn main() -> ExitCode {
         Cli::M7 { only: Some(M7::Costs { accept }) } => m7::costs(accept),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
-        Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),
         Cli::Guest { seconds, drills: true, accept, .. } => guest::run(seconds, guest::What::Drills, accept),
         Cli::Guest { seconds, accept, .. } => guest::run(seconds, guest::What::Sessions, accept),
