@@ -4,10 +4,10 @@ The pressure field is Drake's own, its modulus set to Young's modulus, friction 
 contact is timed and judged.
 """
 
+import importlib.metadata
 import math
 
 import numpy as np
-import pydrake
 from pydrake.all import (
     AddCompliantHydroelasticProperties, AddContactMaterial, AddMultibodyPlant, AddRigidHydroelasticProperties, Box, CoulombFriction, DiagramBuilder, Ellipsoid,
     MultibodyPlantConfig, ProximityProperties, RigidTransform, Sphere, SpatialInertia,
@@ -16,7 +16,7 @@ from pydrake.all import (
 import common
 
 PEER = "Drake hydroelastic"
-VERSION = pydrake.__version__ if hasattr(pydrake, "__version__") else __import__("importlib.metadata").metadata.version("drake")
+VERSION = importlib.metadata.version("drake")
 POLYGONS, TRIANGLES = "polygon", "triangle"
 
 

@@ -2,7 +2,7 @@
 
 Hexahedra on a graded grid, mean dilatation (nu = 0.45 does not lock), base held. Offline: one sparse factorisation, one solve per direction of a patch node; what stays is the
 patch's compliance, dense. Online, each tick: contact and Coulomb friction node by node, a fixed number of sweeps, warm start, friction remembered by the surface's displacement.
-The inner loop is compiled (numba). A half-space solver of its own does not enter: what it knows of the cube is the grid's.
+The tick is compiled (numba).
 """
 
 import math
