@@ -1,8 +1,10 @@
 //! `haptor bench` as the comparison uses it: one line of JSON per case, with the fields that every program of the comparison prints.
 
+use std::fs;
+
 use serde_json::Value;
 
-use crate::cli::haptor;
+use crate::cli::{haptor, root};
 
 const WORDS: [&str; 4] = ["peer", "version", "scene", "case"];
 const NUMBERS: [&str; 7] = ["n", "median_us", "p99_us", "max_us", "cpu_median_us", "cpu_p99_us", "cpu_max_us"];
@@ -36,4 +38,18 @@ fn a_case_that_is_not_there_is_told_with_those_that_are() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2));
     assert!(told.contains("cube-of-jelly") && told.contains("ten-regions, influence 52"), "{told}");
+}
+
+/// Every program's lines of time have the same fields, with the round behind them.
+#[test]
+fn the_committed_lines_of_every_program_have_the_same_fields() {
+    let text = fs::read_to_string(root().join("tests/bench/peers/results.jsonl")).unwrap();
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let times: Vec<_> = lines.iter().filter(|line| line.get("round").is_some()).collect();
+    for peer in ["haptor", "MuJoCo", "Drake hydroelastic", "coal", "parry3d-f64", "condensed FE + Coulomb sweeps"] {
+        assert!(times.iter().any(|line| line["peer"] == peer), "{peer} is in no line");
+    }
+    for line in times {
+        assert!(WORDS.iter().all(|name| line[name].is_string()) && NUMBERS.iter().all(|name| line[name].is_number()), "{line}");
+    }
 }

@@ -121,13 +121,12 @@ fn fixed_motions_of_the_cube_cost_no_more_than_the_table_says() {
 
 #[test]
 fn a_seed_finds_the_same_twice_and_what_is_saved_is_computed_again() {
-    build("haptor-host");
-    let folder = tempfile::tempdir().unwrap();
+    let (programs, folder) = (folder_of_programs(), tempfile::tempdir().unwrap());
     let run = |name: &str| {
         let saved = folder.path().join(name);
         let args = [
             "timing",
-            "tests/scenes/compass.toml",
+            "tests/scenes/cube-twist.toml",
             "--tier",
             "point",
             "--generations",
@@ -138,7 +137,9 @@ fn a_seed_finds_the_same_twice_and_what_is_saved_is_computed_again() {
             "0",
             "--json",
         ];
-        let said = haptor().args(args).arg("--save").arg(&saved).assert().success().get_output().stdout.clone();
+        let mut tool = assert_cmd::Command::new(programs.path().join("haptor"));
+        tool.current_dir(root());
+        let said = tool.args(args).arg("--save").arg(&saved).assert().success().get_output().stdout.clone();
         haptor().arg("replay").arg(&saved).arg("--verify").assert().success();
         (said, fs::read(&saved).unwrap())
     };

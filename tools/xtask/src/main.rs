@@ -18,6 +18,7 @@ mod m7_counts;
 mod m7_device;
 mod m7_image;
 mod m7_memory;
+mod peers;
 mod pictures;
 mod real_time_loop;
 mod recordings;
@@ -89,6 +90,19 @@ enum Cli {
         #[arg(long)]
         accept: bool,
     },
+    /// Runs the comparison with other programs (Python's packages in the target folder, some minutes) and writes tests/bench/PEERS.md
+    #[command(after_help = "Example: cargo xtask peers --seconds 0.05 --rounds 1")]
+    Peers {
+        /// Times that every program runs, in turn
+        #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+        rounds: u32,
+        /// Time for each case in each round
+        #[arg(long, default_value_t = 0.3, value_name = "S")]
+        seconds: f64,
+        /// Only write the table, from the lines of the last run
+        #[arg(long)]
+        table: bool,
+    },
     /// Draws the pictures of the ready scenes anew: moments, force and torque over time
     #[command(after_help = "Example: cargo xtask pictures")]
     Pictures,
@@ -142,12 +156,12 @@ fn main() -> ExitCode {
         Cli::M7 { only: Some(M7::Costs { accept }) } => m7::costs(accept),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
-        Cli::Guest { seconds, drills, accept } => guest::run(seconds, drills, accept),
         Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),
         Cli::Guest { seconds, drills: true, accept, .. } => guest::run(seconds, guest::What::Drills, accept),
         Cli::Guest { seconds, accept, .. } => guest::run(seconds, guest::What::Sessions, accept),
         Cli::Loop(args) => real_time_loop::run(&args),
         Cli::Golden { accept } => golden::run(accept),
+        Cli::Peers { rounds, seconds, table } => peers::run(rounds, seconds, table),
         Cli::Pictures => pictures::run(),
         Cli::Trade { ticks, quick, errors } => trade::run(ticks, quick, errors),
         Cli::Docs { run: true, documents, .. } => docs::run_examples(&documents),

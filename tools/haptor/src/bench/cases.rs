@@ -50,7 +50,7 @@ pub struct Setting {
     friction: bool,
     /// The whole deformed surface is computed after each tick.
     pub surface: bool,
-    /// Takes long to prepare: measured only when asked for by its name.
+    /// Needs the table of a body, seconds of work before the first tick: measured only when asked for by its name.
     pub only_named: bool,
     kinds: &'static [Kind],
 }

@@ -12,7 +12,7 @@ use crate::table;
 /// Measures what a tick costs on this machine: the shipped scenes in every tier, a ball on a cube, one to ten regions.
 ///
 /// Ticks of the core in contact, one thread, no device, each timed by itself: wall time, and CPU time of the thread, which other work on the machine does not lengthen.
-/// Reading the clocks is taken off. Tier green, whose table takes a minute to compute, is measured when --case names it.
+/// Reading the clocks is taken off. Tier green, whose table takes seconds to compute, is measured when --case names it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor bench --case ten-regions --seconds 1\n\
                         One line of JSON per case: haptor bench --json > haptor.jsonl")]
