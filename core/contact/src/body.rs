@@ -128,8 +128,16 @@ fn by_table(own: &Block, n: Vec3) -> Compliance {
 }
 
 /// The primitive whose closed forms an object takes: its own, or a mesh's stand-in.
-fn stand_in<'a>(object: &ObjectShape<'a>) -> ObjectShape<'a> {
-    if let ObjectShape::Mesh(mesh) = object { mesh.stand_in() } else { *object }
+fn stand_in(object: &ObjectShape<'_>) -> ObjectShape<'static> {
+    // arm by arm: a copy of the whole would take a mesh's room with it
+    match object {
+        ObjectShape::Mesh(mesh) => mesh.stand_in(),
+        ObjectShape::HalfSpace => ObjectShape::HalfSpace,
+        &ObjectShape::Box { size } => ObjectShape::Box { size },
+        &ObjectShape::Sphere { radius } => ObjectShape::Sphere { radius },
+        &ObjectShape::Ellipsoid { semi_axes } => ObjectShape::Ellipsoid { semi_axes },
+        &ObjectShape::Cylinder { radius, height } => ObjectShape::Cylinder { radius, height },
+    }
 }
 
 /// Compliance along the normal only: none on top, where the cube's tables show that the finite body hardly matters.

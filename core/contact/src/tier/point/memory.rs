@@ -18,6 +18,50 @@ struct Turn {
     load: Vec2,
 }
 
+impl Turn {
+    /// The same seen after a displacement by `step`.
+    fn after(self, step: Vec2) -> Self {
+        Self { at: self.at - step, ..self }
+    }
+}
+
+/// What the present load depends on.
+#[derive(Clone, Copy, Debug)]
+struct Branch {
+    /// Turning points up to where it starts.
+    len: usize,
+    /// Where it starts.
+    last: Turn,
+    /// How far that is.
+    distance: f32,
+}
+
+impl Branch {
+    fn new(len: usize, last: Turn) -> Self {
+        Self { len, last, distance: root(last.at.length_squared()) }
+    }
+
+    fn load(&self, curve: &Curve) -> Vec2 {
+        let Self { len, last, distance } = *self;
+        let scale = scale(len - 1);
+        held(curve, last.load + along(-last.at, distance) * (scale * curve.load(min(distance / scale, curve.reach()))))
+    }
+
+    fn beyond_full_slip(self, curve: &Curve) -> Self {
+        let reach = curve.reach();
+        if self.distance >= scale(self.len - 1) * reach {
+            Self::new(1, Turn { at: along(self.last.at, self.distance) * reach, load: Vec2::ZERO })
+        } else {
+            self
+        }
+    }
+}
+
+/// 1 on the fresh curve, 2 after a reversal.
+fn scale(index: usize) -> f32 {
+    if index == 0 { 1.0 } else { 2.0 }
+}
+
 /// The memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
@@ -33,24 +77,22 @@ impl Default for Memory {
 
 impl Memory {
     fn last(&self) -> Turn {
-        self.turn(1)
+        self.turns.get(self.len.wrapping_sub(1)).copied().unwrap_or_default()
     }
 
-    /// The turning point `back` places from the end, counted from 1.
-    fn turn(&self, back: usize) -> Turn {
-        self.turns.get(self.len.wrapping_sub(back)).copied().unwrap_or_default()
-    }
-
-    /// 1 on the fresh curve, 2 after a reversal.
-    fn scale(index: usize) -> f32 {
-        if index == 0 { 1.0 } else { 2.0 }
+    /// The branch that the present displacement lies on.
+    fn branch(&self) -> Branch {
+        Branch::new(self.len, self.last())
     }
 
     /// Load at the present displacement.
     pub fn load(&self, curve: &Curve) -> Vec2 {
-        let (turn, scale) = (self.last(), Self::scale(self.len - 1));
-        let (distance, along) = polar(-turn.at);
-        held(curve, turn.load + along * (scale * curve.load(min(distance / scale, curve.reach()))))
+        self.branch().load(curve)
+    }
+
+    /// Load after a displacement by `step`; follows nothing.
+    pub fn load_after(&self, curve: &Curve, step: Vec2) -> Vec2 {
+        self.follow(curve, step).load(curve)
     }
 
     /// Loads of the turning points, oldest first: from nothing to the first, from each to the next, and from the last to the present load.
@@ -60,54 +102,49 @@ impl Memory {
 
     /// Stuck share of the area.
     pub fn stick(&self, curve: &Curve) -> f32 {
-        let c = curve.stick_radius(polar(self.last().at).0 / Self::scale(self.len - 1));
+        let c = curve.stick_radius(polar(self.last().at).0 / scale(self.len - 1));
         c * c
     }
 
     /// Follows a displacement by `step`.
     pub fn advance(&mut self, curve: &Curve, step: Vec2) {
-        if step.dot(self.last().at) > 0.0 {
-            self.push(Turn { at: Vec2::ZERO, load: self.load(curve) });
-        }
-        for turn in self.turns.iter_mut().take(self.len) {
+        let Branch { len, last, .. } = self.follow(curve, step);
+        for turn in self.turns.iter_mut().take(len) {
             turn.at -= step;
         }
-        self.close_loops();
-        self.forget_beyond_full_slip(curve);
-    }
-
-    fn push(&mut self, turn: Turn) {
-        if self.len < TURNS {
-            self.len += 1;
-        }
-        if let Some(place) = self.turns.get_mut(self.len.wrapping_sub(1)) {
-            *place = turn;
+        self.len = len;
+        if let Some(place) = self.turns.get_mut(len.wrapping_sub(1)) {
+            *place = last;
         }
     }
 
-    fn close_loops(&mut self) {
+    /// The branch after a displacement by `step`: a new one after a reversal, an older one once a loop is closed, the first beyond full slip.
+    fn follow(&self, curve: &Curve, step: Vec2) -> Branch {
+        let last = self.last();
+        let branch = if step.dot(last.at) > 0.0 {
+            Branch::new((self.len + 1).min(TURNS), Turn { at: Vec2::ZERO - step, load: self.load(curve) })
+        } else {
+            Branch::new(self.len, last.after(step))
+        };
+        self.close_loops(branch, step).beyond_full_slip(curve)
+    }
+
+    fn close_loops(&self, mut branch: Branch, step: Vec2) -> Branch {
+        let kept = |len: usize| self.turns.get(len.wrapping_sub(1)).copied().unwrap_or_default().after(step);
         for _ in 0..TURNS {
-            if self.len < 2 {
-                return;
+            if branch.len < 2 {
+                break;
             }
-            let (previous, last) = (self.turn(2), self.last());
-            let swing = polar(last.at - previous.at).0;
-            let mirrored = self.len == 2;
+            let swing = polar(branch.last.at - kept(branch.len - 1).at).0;
+            let mirrored = branch.len == 2;
             let needed = if mirrored { 2.0 * swing } else { swing };
-            if polar(last.at).0 < needed {
-                return;
+            if branch.distance < needed {
+                break;
             }
-            self.len -= if mirrored { 1 } else { 2 };
+            let len = branch.len - if mirrored { 1 } else { 2 };
+            branch = Branch::new(len, kept(len));
         }
-    }
-
-    fn forget_beyond_full_slip(&mut self, curve: &Curve) {
-        let scale = Self::scale(self.len - 1);
-        let (distance, along) = polar(self.last().at);
-        if distance >= scale * curve.reach() {
-            self.len = 1;
-            self.turns[0] = Turn { at: along * curve.reach(), load: Vec2::ZERO };
-        }
+        branch
     }
 
     /// Fits the memory to a new curve so that the present displacement carries `load`: when load or radius of the patch change, what was
@@ -116,7 +153,7 @@ impl Memory {
         let (mut at, mut load) = (Vec2::ZERO, held(curve, load));
         for (index, turn) in self.turns.iter_mut().take(self.len).enumerate().rev() {
             let turn_load = if index == 0 { Vec2::ZERO } else { held(curve, turn.load) };
-            let scale = Self::scale(index);
+            let scale = scale(index);
             let (size, along) = polar(load - turn_load);
             at -= along * (scale * curve.inverse(size / scale));
             *turn = Turn { at, load: turn_load };
@@ -133,7 +170,12 @@ pub fn held(curve: &Curve, load: Vec2) -> Vec2 {
 /// Length and direction; the direction of nothing is nothing.
 fn polar(v: Vec2) -> (f32, Vec2) {
     let length = root(v.length_squared());
-    if length > 0.0 { (length, v / length) } else { (0.0, Vec2::ZERO) }
+    (length, along(v, length))
+}
+
+/// Direction of what is `length` long.
+fn along(v: Vec2, length: f32) -> Vec2 {
+    if length > 0.0 { v / length } else { Vec2::ZERO }
 }
 
 #[cfg(test)]

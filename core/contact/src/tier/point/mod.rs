@@ -117,9 +117,8 @@ fn contact_share(curve: &Curve, memory: &Memory, before: Vec2, wanted: Vec2, com
         return 1.0;
     }
     let residual = |share: f32| {
-        let mut trial = *memory;
-        trial.advance(curve, wanted * share);
-        (share - 1.0) + compliance * (trial.load(curve) - before).dot(wanted) / size2
+        let load = memory.load_after(curve, wanted * share);
+        (share - 1.0) + compliance * (load - before).dot(wanted) / size2
     };
     let (mut low, mut high) = (0.0, 1.0);
     let (mut at_low, mut at_high) = (-1.0, max(residual(1.0), 0.0));
