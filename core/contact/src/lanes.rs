@@ -1,6 +1,6 @@
 //! Four numbers side by side, each through the same operations: what a processor with vectors does at once, one without does one by one, to the same bits.
 
-use core::ops::{Add, AddAssign, Mul, Sub};
+use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
 /// Numbers side by side: what every x86-64 takes at once.
 pub const LANES: usize = 4;
@@ -44,6 +44,14 @@ impl Mul for Lanes {
 
     fn mul(self, other: Self) -> Self {
         Self(core::array::from_fn(|lane| self.0[lane] * other.0[lane]))
+    }
+}
+
+impl Div for Lanes {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        Self(core::array::from_fn(|lane| self.0[lane] / other.0[lane]))
     }
 }
 

@@ -45,6 +45,10 @@ pub struct Disc {
     base: f32,
     height: f32,
     poisson: f32,
+    /// nu/(2 - nu).
+    lateral: f32,
+    /// 1 - 2 nu.
+    sinking: f32,
     /// Shift per force along the normal, 1/(2 E* a) \[m/N\].
     pressed: f32,
     /// Shift per force along the surface, (2 - nu)/(8 G a) \[m/N\].
@@ -68,6 +72,8 @@ impl Disc {
             base,
             height: max(p_wc.z - base, radius),
             poisson: nu,
+            lateral: nu / (2.0 - nu),
+            sinking: 1.0 - 2.0 * nu,
             pressed: 0.5 / (model.material.contact_modulus() * radius),
             dragged: (2.0 - nu) / (8.0 * g * radius),
             turned: 3.0 / (16.0 * g * radius * radius * radius),
@@ -101,10 +107,10 @@ impl Disc {
         let level = offset - self.normal * offset.dot(self.normal);
         let e = level * near;
         let (straight, turned_across, turned) = around(self.radius * near);
-        let across = self.poisson / (2.0 - self.poisson) * turned_across;
+        let across = self.lateral * turned_across;
         let ahead = e.dot(load.force);
         let along = self.dragged * (straight - across) + self.bent_drag(r);
-        let sinks = self.unit * (1.0 - 2.0 * self.poisson) * ahead * near;
+        let sinks = self.unit * self.sinking * ahead * near;
         let swirl = load.torque * self.turned * turned * self.bent_twist(r);
         let shift = load.force * along + e * (2.0 * self.dragged * across * ahead) - self.normal * sinks
             + self.normal.cross(level) * swirl;
@@ -149,12 +155,18 @@ impl Disc {
 
     /// What the body's curvature makes of a twist, to first order (11.4): on a sphere 1 + 3/2 d/R far away, 1 + 0.735 a/R on the disc.
     fn bent_twist(&self, distance: f32) -> f32 {
+        if self.curvature == 0.0 {
+            return 1.0;
+        }
         let share = min(self.curvature * max(distance, self.radius), 1.0);
         1.0 + 1.5 * share - 0.765 * self.curvature * self.radius
     }
 
     /// What it adds to a drag: the surface that falls away is drawn along by (3 - 2 nu (1 - 2 nu))/(8 pi G R) ln(R/d) (11.5).
     fn bent_drag(&self, distance: f32) -> f32 {
+        if self.curvature == 0.0 {
+            return 0.0;
+        }
         bent_drag(self.curvature, self.poisson, max(distance, self.radius)) * 2.0 * PI * self.unit
     }
 
@@ -162,7 +174,7 @@ impl Disc {
     fn pressed(&self, into: f32, q: f32, e: Vec3, z: f32, distance: f32) -> Vec3 {
         let smooth2 = distance * distance + self.radius * self.radius;
         let inwards = self.pressed * disc(q) * (1.0 + z * z / (2.0 * (1.0 - self.poisson) * smooth2));
-        let outwards = z / (smooth2 * root(smooth2)) * distance - (1.0 - 2.0 * self.poisson) * self.enclosed(q, z, distance);
+        let outwards = z / (smooth2 * root(smooth2)) * distance - self.sinking * self.enclosed(q, z, distance);
         (self.normal * -inwards + e * (self.unit * outwards)) * into
     }
 
@@ -174,9 +186,9 @@ impl Disc {
 
     /// Cerruti's field of a flat disc; where nu < 1/2 it sinks ahead of the force and rises behind.
     fn dragged(&self, along: Vec3, q: f32, e: Vec3, distance: f32) -> Vec3 {
-        let (straight, across) = (disc(q), self.poisson / (2.0 - self.poisson) * disc_across(q));
+        let (straight, across) = (disc(q), self.lateral * disc_across(q));
         let ahead = e.dot(along);
-        let sinks = self.unit * (1.0 - 2.0 * self.poisson) * ahead * self.enclosed(q, 0.0, distance);
+        let sinks = self.unit * self.sinking * ahead * self.enclosed(q, 0.0, distance);
         (along * (straight - across) + e * (2.0 * across * ahead)) * self.dragged - self.normal * sinks
     }
 }

@@ -104,14 +104,15 @@ impl Quad {
         let x = self.force.0 + self.drag * felt.drag.x - self.radial.1 * hoop;
         let y = self.force.1 + self.drag * felt.drag.y + self.radial.0 * hoop;
         let (size2, cap2) = (x * x + y * y, self.cap * self.cap);
-        let (mut trial, mut over, mut scale) = (Lanes::default(), Lanes::default(), Lanes::splat(1.0));
-        for i in 0..BRISTLES {
-            if size2.0[i] <= cap2.0[i] {
-                continue;
-            }
-            let size = sqrt(size2.0[i]);
-            (trial.0[i], over.0[i], scale.0[i]) = (size, 1.0 / size, self.cut.0[i] / size);
-        }
+        let sticks: [bool; BRISTLES] = core::array::from_fn(|i| size2.0[i] <= cap2.0[i]);
+        let unless = |sticks: [bool; BRISTLES], stuck: f32, slid: Lanes| {
+            Lanes(core::array::from_fn(|i| if sticks[i] { stuck } else { slid.0[i] }))
+        };
+        // of one that sticks it is not needed, but must be no zero to divide by
+        let size = Lanes(core::array::from_fn(|i| if sticks[i] { 1.0 } else { sqrt(size2.0[i]) }));
+        let one = Lanes::splat(1.0);
+        let (trial, over, scale) =
+            (unless(sticks, 0.0, size), unless(sticks, 0.0, one / size), unless(sticks, 1.0, self.cut / size));
         let along = (x * over, y * over);
         let held = |stuck: Lanes, along: Lanes| {
             let slid = along * self.cut;

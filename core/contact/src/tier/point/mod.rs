@@ -60,8 +60,11 @@ pub fn advance(hold: &Hold, patch: &mut Patch) {
     patch.pending = carried(hold, Shift { drag: dragged.pending, twist: turned.pending.x });
 
     let (force, torque) = share_budget(&drag, &twist, patch, dragged.load, turned.load);
-    let slid = dragged.taken / drag.slope_reach() + turned.taken / twist.slope_reach();
-    note_sliding(hold, patch, force.length() / drag.full(), torque.abs() / twist.full(), slid);
+    // none of it is needed, nor its roots, where static friction is dynamic friction
+    if hold.mu_s > hold.mu_d {
+        let slid = length(dragged.step) / drag.slope_reach() + length(turned.step) / twist.slope_reach();
+        note_sliding(hold, patch, force.length() / drag.full(), torque.abs() / twist.full(), slid);
+    }
     let stick = patch.point.drag.stick(&drag) * patch.point.twist.stick(&twist);
     patch.grip = Grip { force, torque, stick };
 }
@@ -90,8 +93,8 @@ const SERIES_STEPS: usize = 1;
 /// Answer of [`pull`].
 struct Pulled {
     load: Vec2,
-    /// Length the contact itself took.
-    taken: f32,
+    /// What the contact itself took.
+    step: Vec2,
     /// What is left for the next tick.
     pending: Vec2,
 }
@@ -100,14 +103,14 @@ struct Pulled {
 /// of load only, so that what its inverse rounds away never adds up.
 fn pull(curve: &Curve, memory: &mut Memory, now: Vec2, wanted: Vec2, compliance: f32) -> Pulled {
     if wanted == Vec2::ZERO {
-        return Pulled { load: now, taken: 0.0, pending: Vec2::ZERO };
+        return Pulled { load: now, step: Vec2::ZERO, pending: Vec2::ZERO };
     }
     let before = memory.load(curve);
     let share = if compliance > 0.0 { contact_share(curve, memory, before, wanted, compliance) } else { 1.0 };
     let step = wanted * share;
     memory.advance(curve, step);
     let load = held(curve, now + (memory.load(curve) - before));
-    Pulled { load, taken: root(step.length_squared()), pending: wanted - step - (load - now) * compliance }
+    Pulled { load, step, pending: wanted - step - (load - now) * compliance }
 }
 
 /// Share of `wanted` that the contact takes, by regula falsi (Illinois) on a monotone residual.
@@ -158,11 +161,12 @@ fn share_budget(drag: &Curve, twist: &Curve, patch: &mut Patch, force: Vec2, tor
     (force, torque.x)
 }
 
+fn length(v: Vec2) -> f32 {
+    root(v.length_squared())
+}
+
 /// Follows the change from static to dynamic friction: at once when sharp, over one elastic reach when smooth, back when it sticks.
 fn note_sliding(hold: &Hold, patch: &mut Patch, drag_used: f32, twist_used: f32, slid: f32) {
-    if hold.mu_s <= hold.mu_d {
-        return;
-    }
     let used = pow(drag_used, LIMIT_EXPONENT) + pow(twist_used, LIMIT_EXPONENT);
     patch.point.slid = if used < GROSS_SLIP {
         if used < 0.9 * GROSS_SLIP { 0.0 } else { patch.point.slid }
