@@ -71,7 +71,7 @@ fn hold_bristles(
         each(model, params, patches, grounds, changed, point::advance);
         return Flags::TIER_LOWERED;
     }
-    let (rings, flags) = fitting(usize::from(rung.samples), *per_slot);
+    let (rings, flags) = fitting(params, rung, *per_slot);
     let fewer;
     let layout = if rings == params.layout.rings {
         &params.layout
@@ -134,9 +134,12 @@ fn each(
     }
 }
 
-/// Rings of so many bristles, as far as the state has room for them.
-const fn fitting(samples: usize, per_slot: usize) -> (usize, Flags) {
-    let (rings, room) = (Layout::rings_of(samples), per_slot / AROUND);
+/// Rings of a rung's bristles, as far as the state has room for them.
+fn fitting(params: &Params, rung: Rung, per_slot: usize) -> (usize, Flags) {
+    let samples = usize::from(rung.samples);
+    // the highest rung's are known
+    let rings = if samples == params.samples { params.layout.rings } else { Layout::rings_of(samples) };
+    let room = per_slot / AROUND;
     if rings <= room { (rings, Flags::CLEAN) } else { (room, Flags::TIER_LOWERED) }
 }
 
