@@ -117,16 +117,18 @@ fn rim_distance(patch: &Patch, centre: Vec3, radius: f32) -> f32 {
 }
 
 /// Labels patches by region. A patch joins the oldest patch it can reach through neighbours closer than `distance`.
-fn group(distance: f32, patches: &mut VecView<Patch>) {
+fn group(distance: f32, patches: &mut [Patch]) {
     for (index, patch) in patches.iter_mut().enumerate() {
         patch.region = index as u8;
     }
     for i in 0..patches.len() {
         for j in 0..i {
-            if is_apart(distance, &patches[i], &patches[j]) {
+            let (a, b) = (&patches[i], &patches[j]);
+            if is_apart(distance, a, b) {
                 continue;
             }
-            join(patches, i, j);
+            let (a, b) = (a.region, b.region);
+            join(patches, a, b);
         }
     }
     number_from_zero(patches);
@@ -137,10 +139,9 @@ fn is_apart(distance: f32, a: &Patch, b: &Patch) -> bool {
     a.region == b.region || rim_distance(a, b.centre, b.footprint.radius) >= distance
 }
 
-/// Gives the groups of two patches the older group's label. Groups can be joined one time fewer than there are patches, most of which stay apart.
+/// Gives the groups labelled `a` and `b` the older one's label. Groups can be joined one time fewer than there are patches, most of which stay apart.
 #[cold]
-fn join(patches: &mut [Patch], i: usize, j: usize) {
-    let (a, b) = (patches[i].region, patches[j].region);
+fn join(patches: &mut [Patch], a: u8, b: u8) {
     let (kept, joined) = if a < b { (a, b) } else { (b, a) };
     for patch in patches.iter_mut().filter(|patch| patch.region == joined) {
         patch.region = kept;
