@@ -6,6 +6,7 @@
 use core::fmt;
 use core::num::NonZeroUsize;
 
+use haptor_contact::geometry::support::support;
 use haptor_contact::{
     Breakaway, CouplingSpec, Green, GuardSpec, Material, ObjectShape, ParamsSpec, Passivity, Pose, ProbeFrame, ProbePart,
     ProbeShape, Quat, Tier, Vec3, VirtualCoupling, World,
@@ -29,8 +30,22 @@ pub struct Shown {
 /// Vertices along a side of a whole surface: what the field loops are meant for.
 pub const SIDE: NonZeroUsize = NonZeroUsize::new(64).unwrap();
 
-/// How the probe moves: where a case has it at a tick.
-pub type Motion = fn(&Case, usize) -> Pose<World, ProbeFrame>;
+/// How the probe moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// Presses and slides, never turns.
+    Slide,
+    /// Presses, slides and turns.
+    Twist,
+    /// Moves above the object.
+    Clear,
+    /// Holds still.
+    Still,
+    /// Lifts off and comes back, so that every region of a compound is born anew, one a tick.
+    Births,
+    /// Presses, tilts and walks from the middle of the object's top outward, so that faces, edges and corners meet.
+    Tilt,
+}
 
 /// Words that name a scene; the first is not empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +87,14 @@ pub struct Case {
 impl Case {
     /// Pose of a tick.
     pub fn pose(&self, tick: usize) -> Pose<World, ProbeFrame> {
-        (self.motion)(self, tick)
+        match self.motion {
+            Motion::Slide => Pose::new(place(self, tick, PRESSED), Quat::IDENTITY),
+            Motion::Twist => Pose::new(place(self, tick, PRESSED), turn(tick)),
+            Motion::Clear => Pose::new(place(self, tick, CLEAR), turn(tick)),
+            Motion::Still => Pose::new(Vec3::Z * (self.touch() + PRESSED), Quat::IDENTITY),
+            Motion::Births => Pose::new(place(self, tick, if tick % 24 < 8 { CLEAR } else { PRESSED }), turn(tick)),
+            Motion::Tilt => tilted(self, tick),
+        }
     }
 
     /// Height of the probe's origin where a ball of 20 mm touches the object's top \[m\].
@@ -82,20 +104,23 @@ impl Case {
 }
 
 /// A triangle of this period, between -1 and 1.
-pub fn wave(tick: usize, period: NonZeroUsize) -> f32 {
+fn wave(tick: usize, period: NonZeroUsize) -> f32 {
     let share = (tick % period) as f32 / period.get() as f32;
     1.0 - 4.0 * (share - 0.5).abs()
 }
 
 /// Periods of the triangles: shift, turn and tilt; shift across and turn about a second axis; press.
-pub const SLOW: NonZeroUsize = NonZeroUsize::new(48).unwrap();
+const SLOW: NonZeroUsize = NonZeroUsize::new(48).unwrap();
 /// See [`SLOW`].
-pub const MIDDLE: NonZeroUsize = NonZeroUsize::new(24).unwrap();
+const MIDDLE: NonZeroUsize = NonZeroUsize::new(24).unwrap();
 /// See [`SLOW`].
-pub const FAST: NonZeroUsize = NonZeroUsize::new(16).unwrap();
+const FAST: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 
 /// How much higher than touching the presses are in the middle \[m\]: depth 0.6 to 1.4 mm.
 const PRESSED: f32 = -1.0e-3;
+
+/// The same where nothing is touched \[m\].
+const CLEAR: f32 = 0.01;
 
 /// A press around `lift` \[m\], and a shift that sticks and slips.
 fn place(case: &Case, tick: usize, lift: f32) -> Vec3 {
@@ -108,24 +133,19 @@ fn turn(tick: usize) -> Quat {
     Quat::from_rotation_z(0.1 * wave(tick, SLOW))
 }
 
-/// Presses and slides, never turns.
-pub fn slide(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
-    Pose::new(place(case, tick, PRESSED), Quat::IDENTITY)
-}
+/// Extents of an object so wide that its edges are out of reach \[m\].
+pub const WIDE: Vec3 = Vec3::new(0.3, 0.3, 0.2);
 
-/// Presses, slides and turns.
-pub fn twist(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
-    Pose::new(place(case, tick, PRESSED), turn(tick))
-}
-
-/// Moves above the object.
-pub fn clear(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
-    Pose::new(place(case, tick, 0.01), turn(tick))
-}
-
-/// Holds still.
-fn still(case: &Case, _: usize) -> Pose<World, ProbeFrame> {
-    Pose::new(Vec3::Z * (case.touch() + PRESSED), Quat::IDENTITY)
+/// Tilted by the slow wave, turned by the middle one and pressed by the fast one: 0.6 to 1.4 mm of the lowest point are inside the object's highest plane.
+fn tilted(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
+    let [slow, middle, fast] = [SLOW, MIDDLE, FAST].map(|period| wave(tick, period));
+    let turn = (Quat::from_rotation_x(0.8 * slow) * Quat::from_rotation_y(0.4 * middle)).normalize();
+    let lowest = case.probe.first().map_or(Vec3::ZERO, |part| turn * support(&part.shape, turn.conjugate() * Vec3::NEG_Z));
+    // flat tops are walked past their edges; round ones only as far as the press still meets them
+    let flat = matches!(case.object, ObjectShape::Box { .. } | ObjectShape::Cylinder { .. }) && case.object.height() < WIDE.z;
+    let walk = if flat { 0.04 } else { 0.003 };
+    let place = Vec3::new(0.5 * walk * (1.0 + middle), 0.5 * walk * (1.0 + slow), case.object.height());
+    Pose::new(place - lowest + Vec3::Z * (4.0e-4 * fast - 1.0e-3), turn)
 }
 
 /// A ball of 20 mm.
@@ -162,7 +182,7 @@ pub const TABLE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::new(0.2, 0.2, 
 /// What friction is combined with.
 const BODIES: [(&str, ObjectShape<'_>); 2] = [("half space", ObjectShape::HalfSpace), ("box", TABLE)];
 const PROBES: [(&str, &[ProbePart<'_>], u8); 2] = [("one region", BALL, 1), ("ten regions", TEN, 10)];
-const TURNS: [(&str, Motion); 2] = [("slide", slide), ("twist", twist)];
+const TURNS: [(&str, Motion); 2] = [("slide", Motion::Slide), ("twist", Motion::Twist)];
 
 /// Every scene.
 pub fn all() -> impl Iterator<Item = Case> {
@@ -193,7 +213,7 @@ pub fn base() -> Case {
         probe: BALL,
         params: ParamsSpec::default(),
         mass: 1.0,
-        motion: twist,
+        motion: Motion::Twist,
         deeper: 0.0,
         regions: 1,
         green: None,
@@ -226,12 +246,12 @@ const FEATURES: [Feature; 20] = [
     ("base, bristle 16", |c| c.params.samples = 16),
     ("base, bristle 256", |c| c.params.samples = 256),
     ("base, influence 112", |c| (c.params.tier, c.params.samples) = (Tier::Influence, 112)),
-    ("base, held still", |c| c.motion = still),
+    ("base, held still", |c| c.motion = Motion::Still),
     ("base, no friction, tier influence", |c| {
         c.params = ParamsSpec { friction_dynamic: 0.0, tier: Tier::Influence, samples: 52, ..c.params };
     }),
-    ("no contact, one part", |c| (c.motion, c.regions) = (clear, 0)),
-    ("no contact, ten parts", |c| (c.probe, c.motion, c.regions) = (TEN, clear, 0)),
+    ("no contact, one part", |c| (c.motion, c.regions) = (Motion::Clear, 0)),
+    ("no contact, ten parts", |c| (c.probe, c.motion, c.regions) = (TEN, Motion::Clear, 0)),
     ("bristle 32, box, ten regions, twist", |c| {
         (c.params.samples, c.probe, c.regions, c.object) = (32, TEN, 10, TABLE);
     }),

@@ -4,10 +4,9 @@
 
 use std::num::NonZeroUsize;
 
-use haptor_contact::geometry::support::support;
-use haptor_contact::{MAX_WORK, ObjectShape, ParamsSpec, Pose, ProbeFrame, ProbePart, ProbeShape, Quat, Tier, Vec3, World};
+use haptor_contact::{MAX_WORK, ObjectShape, ParamsSpec, ProbePart, ProbeShape, Tier, Vec3};
 
-use super::cases::{BALL, Case, FAST, MIDDLE, Name, SLOW, Shown, TABLE, TEN, base, clear, twist, wave};
+use super::cases::{BALL, Case, Motion, Name, Shown, TABLE, TEN, WIDE, base};
 use super::{meshes, table};
 
 /// Every scene.
@@ -35,28 +34,9 @@ fn smooth() -> ParamsSpec {
     ParamsSpec { friction_dynamic: 0.0, ..ParamsSpec::default() }
 }
 
-/// Lifts off and comes back, so that every region of a compound is born anew, one a tick.
-fn births(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
-    if tick % 24 < 8 { clear(case, tick) } else { twist(case, tick) }
-}
-
-/// Presses, tilts and walks from the middle of the object's top outward, so that faces, edges and corners meet.
-///
-/// Tilted by the slow wave, turned by the middle one and pressed by the fast one: 0.6 to 1.4 mm of the lowest point are inside the object's highest plane.
-fn tilt(case: &Case, tick: usize) -> Pose<World, ProbeFrame> {
-    let [slow, middle, fast] = [SLOW, MIDDLE, FAST].map(|period| wave(tick, period));
-    let turn = (Quat::from_rotation_x(0.8 * slow) * Quat::from_rotation_y(0.4 * middle)).normalize();
-    let lowest = case.probe.first().map_or(Vec3::ZERO, |part| turn * support(&part.shape, turn.conjugate() * Vec3::NEG_Z));
-    // flat tops are walked past their edges; round ones only as far as the press still meets them
-    let flat = matches!(case.object, ObjectShape::Box { .. } | ObjectShape::Cylinder { .. }) && case.object.height() < WIDE.z;
-    let walk = if flat { 0.04 } else { 0.003 };
-    let place = Vec3::new(0.5 * walk * (1.0 + middle), 0.5 * walk * (1.0 + slow), case.object.height());
-    Pose::new(place - lowest + Vec3::Z * (4.0e-4 * fast - 1.0e-3), turn)
-}
-
 /// One feature more or less than a row of the list that a Cortex-M7 counts too.
 fn features() -> Vec<Case> {
-    let born = |name: &str, case: Case| named(name, Case { motion: births, ..case });
+    let born = |name: &str, case: Case| named(name, Case { motion: Motion::Births, ..case });
     let params = ParamsSpec { sweeps: 1, ..tier(Tier::Influence, 52) };
     let ball = ObjectShape::Mesh(meshes::ball(0.05, 0.05, SAMPLES));
     vec![
@@ -64,7 +44,7 @@ fn features() -> Vec<Case> {
         born("no friction, half space, ten regions, births", Case { params: smooth(), object: ObjectShape::HalfSpace, ..many() }),
         born("no friction, box, ten regions, births", Case { params: smooth(), ..many() }),
         born("bristle 64, box, ten regions, births", many()),
-        named("no contact, ten parts, mesh", Case { object: ball, probe: TEN, motion: clear, regions: 0, ..base() }),
+        named("no contact, ten parts, mesh", Case { object: ball, probe: TEN, motion: Motion::Clear, regions: 0, ..base() }),
     ]
 }
 
@@ -82,7 +62,7 @@ fn budgets() -> Vec<Case> {
         of("influence 52, box, ten regions, work 1000000", with(1_000_000), many()),
         of("influence 52, box, ten regions, work 400000", with(400_000), many()),
         of("influence 52, box, ten regions, work 200000", with(200_000), many()),
-        of("influence 52, box, ten regions, births, work 400000", with(400_000), Case { motion: births, ..many() }),
+        of("influence 52, box, ten regions, births, work 400000", with(400_000), Case { motion: Motion::Births, ..many() }),
     ]
 }
 
@@ -127,9 +107,6 @@ fn tips() -> &'static [ProbePart<'static>] {
 /// Samples of a mesh: more than any search asks for.
 const SAMPLES: usize = 512;
 
-/// Extents of an object so wide that its edges are out of reach \[m\].
-const WIDE: Vec3 = Vec3::new(0.3, 0.3, 0.2);
-
 /// Objects of [`pairs`].
 fn objects() -> [(&'static str, ObjectShape<'static>); 8] {
     [
@@ -165,7 +142,7 @@ fn pairs() -> Vec<Case> {
     let (objects, shapes) = (objects(), shapes());
     let mut cases = Vec::new();
     for (on, object) in objects {
-        let tilted = Case { object, motion: tilt, ..base() };
+        let tilted = Case { object, motion: Motion::Tilt, ..base() };
         cases.push(named(format!("point, sphere on {on}"), Case { probe: BALL, params: tier(Tier::Point, 64), ..tilted }));
         for (what, shape) in shapes {
             let probe = vec![ProbePart::at_origin(shape)].leak();
