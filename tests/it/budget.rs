@@ -16,6 +16,7 @@ use proptest::prelude::*;
 
 use crate::alloc::counted;
 use crate::cli::{built, haptor, root};
+use crate::counts::counting;
 use crate::served::alone;
 use crate::support::drive::{CUBE, Drive, RUBBER};
 
@@ -23,9 +24,6 @@ use crate::support::drive::{CUBE, Drive, RUBBER};
 mod cases;
 #[path = "../counts/cases_pc.rs"]
 mod cases_pc;
-#[path = "../support/counts.rs"]
-#[expect(dead_code, reason = "the table is read here, and nothing counted")]
-mod counting;
 #[path = "../counts/meshes.rs"]
 mod meshes;
 #[path = "../counts/table.rs"]
