@@ -1,4 +1,6 @@
 //! Four numbers side by side, each through the same operations: what a processor with vectors does at once, one without does one by one, to the same bits.
+//!
+//! Written out, not as loops: a build that does not optimise takes these a hundred times slower through closures.
 
 use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
@@ -21,7 +23,8 @@ impl Add for Lanes {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] + other.0[lane]))
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([a + e, b + f, c + g, d + h])
     }
 }
 
@@ -35,7 +38,8 @@ impl Sub for Lanes {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] - other.0[lane]))
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([a - e, b - f, c - g, d - h])
     }
 }
 
@@ -43,7 +47,8 @@ impl Mul for Lanes {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] * other.0[lane]))
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([a * e, b * f, c * g, d * h])
     }
 }
 
@@ -51,7 +56,8 @@ impl Div for Lanes {
     type Output = Self;
 
     fn div(self, other: Self) -> Self {
-        Self(core::array::from_fn(|lane| self.0[lane] / other.0[lane]))
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([a / e, b / f, c / g, d / h])
     }
 }
 
