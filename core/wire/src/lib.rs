@@ -19,14 +19,14 @@
 //!
 //! | message | direction | when | bytes at most |
 //! |---|---|---|---|
-//! | [`SessionHello`] | host → tool, recording | the device has answered | 52 |
+//! | [`SessionHello`] | host → tool, recording | the device has answered | 58 |
 //! | [`Progress`] | host → tool | some ten times a second | 46 |
 //! | [`FaultRecord`] | host → tool, recording | a fault latches | 17 |
 //! | [`Summary`] | host → tool, recording | the session ends | 160 |
-//! | [`BakedScene`] | tool → host | a file, before the start | 917 |
+//! | [`BakedScene`] | tool → host | a file, before the start | 923 |
 //! | [`RecordHeader`] | recording | its first frame | 39 |
 //! | [`Chunk`] | recording | behind it: text of the tables, the scene's file | 1032 |
-//! | [`Tuning`] | recording | the session begins, or somebody tunes | 129 |
+//! | [`Tuning`] | recording | the session begins, or somebody tunes | 135 |
 //! | [`Place`] | recording | the session begins, or somebody tares | 29 |
 //! | [`Event`] | recording | somebody freezes, stops, tares, marks | 12 |
 //! | [`TickRecord`] | recording | once a tick | 131 |
@@ -45,7 +45,7 @@
 //! | [`RestBegin`] | viewer → host | rest points are to come | 6 |
 //! | [`RestPoints`] | viewer → host | they, in order | 3080 |
 //! | [`RestState`] | host → viewer | answers both | 13 |
-//! | [`Ask`] | viewer → host | a request | 135 |
+//! | [`Ask`] | viewer → host | a request | 141 |
 //! | [`Denied`] | host → viewer | it was not carried out, and why | 169 |
 //! | [`SceneNow`] | host → viewer | the scene that runs | 16 |
 //! | [`SceneBytes`] | host → viewer | its file, when asked for | 4119 |
