@@ -44,7 +44,7 @@ fn counted(program: &Path, kept: &Kept) -> u64 {
     let (file, samples) = (recording.to_string_lossy(), kept.samples().to_string());
     let args = [&*file, "--tier", kept.tier(), "--samples", &samples, "count"];
     let marked = &["haptor_host::measure::run::measured_tick"];
-    let job = Job { program, args: &args, pattern: "*measured_*", marked, lines: false, folder: folder.path() };
+    let job = Job { program, args: &args, keep: &[], pattern: "*measured_*", marked, lines: false, folder: folder.path() };
     let said: Value = serde_json::from_str(&job.run().unwrap()).unwrap();
     let ticks = said["ticks"].as_u64().unwrap() as usize;
     let total = |call| by_file(&job.dump(call).unwrap(), &mut Default::default(), &mut ByFile::new());

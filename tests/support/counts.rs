@@ -55,7 +55,7 @@ impl Counted {
 /// # Errors
 /// What is missing or did not end well, and what to do.
 pub fn count(program: &Path, folder: &Path) -> Result<Vec<Counted>, String> {
-    let job = Job { program, args: &[], pattern: "*measured_*", marked: &MARKED, lines: true, folder };
+    let job = Job { program, args: &[], keep: &[], pattern: "*measured_*", marked: &MARKED, lines: true, folder };
     let said = job.run()?;
     let (mut counted, mut names): (Vec<Counted>, _) = (Vec::new(), HashMap::new());
     for (call, name) in said.lines().enumerate() {

@@ -44,7 +44,7 @@ impl Line {
 }
 
 /// Middle, 99 of 100 and longest \[us\].
-fn quantiles(times: impl Iterator<Item = Duration>) -> [f64; 3] {
+pub fn quantiles(times: impl Iterator<Item = Duration>) -> [f64; 3] {
     let mut times: Vec<_> = times.collect();
     times.sort_unstable();
     let us = |share: f64| {

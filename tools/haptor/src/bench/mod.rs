@@ -16,7 +16,7 @@ use crate::trajectory::Row;
 use cases::{Setting, Stand};
 use clock::Clocks;
 use haptor_contact::{Invalid, Output, Vec3};
-pub use line::Line;
+pub use line::{Line, quantiles};
 
 /// Ticks in contact that are run before any is counted: caches and predictors have seen the scene.
 const WARM: usize = 100;

@@ -26,6 +26,12 @@ pub const STAGES: [(&str, &[&str]); 11] = [
     ("libraries", &["libraries"]),
 ];
 
+/// Name and version of the counter; `None` where it is not installed.
+pub fn version() -> Option<String> {
+    let output = Command::new(VALGRIND).arg("--version").output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
 /// Instructions by source file; the core's by their path in its `src`, others under `libraries`.
 pub type ByFile = BTreeMap<String, u64>;
 
@@ -41,6 +47,8 @@ pub struct Job<'a> {
     pub program: &'a Path,
     /// Its arguments.
     pub args: &'a [&'a str],
+    /// Variables of the environment that it needs; it gets no others, see [`run`](Self::run).
+    pub keep: &'a [&'a str],
     /// Pattern of the marked functions.
     pub pattern: &'a str,
     /// Their full names.
@@ -62,6 +70,7 @@ impl Job<'_> {
         let mut command = Command::new(VALGRIND);
         // environment and the program's path lie on the stack, and copies cost by its alignment: the same of both everywhere
         command.env_clear().env("PATH", "/usr/bin:/bin").current_dir(home);
+        command.envs(self.keep.iter().filter_map(|name| Some((name, std::env::var_os(name)?))));
         command.args(["--tool=callgrind", "--collect-atstart=no", &format!("--toggle-collect={}", self.pattern)]);
         command.arg(format!("--dump-line={}", if self.lines { "yes" } else { "no" }));
         command.args(self.marked.iter().map(|name| format!("--dump-after={name}")));
@@ -86,6 +95,11 @@ impl Job<'_> {
 /// Why valgrind cannot be started, and what to do.
 pub fn missing(error: &std::io::Error) -> String {
     format!("{VALGRIND}: {error}; install Debian's package {VALGRIND}")
+}
+
+/// Instructions of a dump; `None` when it has no total.
+pub fn total(dump: &str) -> Option<u64> {
+    dump.lines().rev().find_map(|line| line.strip_prefix("totals:"))?.trim().parse().ok()
 }
 
 /// Adds a dump's instructions to `into`; yields their sum. Names are written once as `(number) name`, then as `(number)`; `names` keeps the numbers from dump to

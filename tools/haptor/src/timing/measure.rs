@@ -77,10 +77,8 @@ impl Measure {
     /// # Errors
     /// [`Failure::Problem`] when the program is missing.
     pub fn find() -> Result<Self, Failure> {
-        let version = Command::new(VALGRIND).arg("--version").output().ok().filter(|output| output.status.success());
-        let counter = version.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
         let folder = tempfile::tempdir().map_err(|error| unwritten(&error))?;
-        Ok(Self { program: programs::find(PROGRAM)?, folder, counter })
+        Ok(Self { program: programs::find(PROGRAM)?, folder, counter: callgrind::version() })
     }
 
     /// Name and version of what counts instructions; `None` when nothing does.
@@ -97,7 +95,7 @@ impl Measure {
             return self.fastest(recording, slot);
         }
         let place = self.place(recording, slot)?;
-        place.dumps(&self.program, false, |dump| total(dump).unwrap_or(0))
+        place.dumps(&self.program, false, |dump| callgrind::total(dump).unwrap_or(0))
     }
 
     /// Instructions of each tick by source file; nothing where nothing counts them.
@@ -205,8 +203,8 @@ impl Place {
     /// Runs the recording under callgrind and reads the dump of every tick.
     fn dumps<T>(&self, program: &Path, lines: bool, mut read: impl FnMut(&str) -> T) -> Result<Vec<T>, Failure> {
         let file = self.file.to_string_lossy();
-        let job =
-            Job { program, args: &[&file, "count"], pattern: "*measured_*", marked: &[MARKED], lines, folder: &self.folder };
+        let args = &[&*file, "count"];
+        let job = Job { program, args, keep: &[], pattern: "*measured_*", marked: &[MARKED], lines, folder: &self.folder };
         let said = job.run().map_err(Failure::problem)?;
         let counted: Counted =
             serde_json::from_str(said.trim()).map_err(|error| Failure::problem(format!("{PROGRAM}: {error}")))?;
@@ -229,11 +227,6 @@ enum Said {
     Timed(Box<Timed>),
 }
 
-/// Instructions of a dump; `None` when it has no total.
-fn total(dump: &str) -> Option<u64> {
-    dump.lines().rev().find_map(|line| line.strip_prefix("totals:"))?.trim().parse().ok()
-}
-
 /// Bytes of stack of the thread that steps, the second of the program, as drd tells them.
 fn stack_used(said: &str) -> Option<u64> {
     let line = said.lines().find(|line| line.contains("thread 2 finished and used"))?;
@@ -246,7 +239,7 @@ mod tests {
 
     #[test]
     fn what_the_programs_say_is_read() {
-        assert_eq!(total("fn=(1) x\n5 17\n\ntotals: 34248\n"), Some(34_248));
+        assert_eq!(callgrind::total("fn=(1) x\n5 17\n\ntotals: 34248\n"), Some(34_248));
         let drd = "==7== thread 2 finished and used 10039 bytes out of 1044480 on its stack. Margin: 1034441 bytes.";
         assert_eq!(stack_used(drd), Some(10_039));
         assert!(matches!(serde_json::from_str(r#"{"least_ns":[3,4]}"#), Ok(Said::Least { least_ns }) if least_ns == [3, 4]));

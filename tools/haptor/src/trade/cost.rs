@@ -6,9 +6,9 @@
 
 use std::hint::black_box;
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
+use haptor_contact::tier::influence::Layout;
 use haptor_contact::{MAX_PARTS, Scratch, State, Tier, Vec3};
 
 use super::answers::Answers;
@@ -16,10 +16,12 @@ use super::motions::{MOTIONS, Motion, SAMPLES};
 use super::settings::Setting;
 use super::stage::{Stage, ticks_per_sample};
 use super::truth::{Felt, Units};
+use crate::bench::quantiles;
 use crate::failure::Failure;
 use crate::motion::Place;
 use crate::simulation::Simulation;
 use crate::table::Table;
+use crate::timing::callgrind::{self, Job};
 
 /// Rate at which the probe is led while time is taken; the work of a tick hardly depends on it \[Hz\].
 const RATE: f64 = 1000.0;
@@ -39,8 +41,15 @@ const UPDATES: usize = 200;
 /// Ticks that callgrind counts for a setting, spread over the motion.
 const COUNTED: usize = 64;
 
-/// A dump for each call; a pattern would not do here.
-const DUMP_AFTER: &str = "--dump-after=haptor::trade::cost::measured_tick";
+/// The marked function.
+const MARKED: &str = "haptor::trade::cost::measured_tick";
+
+/// What says where tables of bodies are kept.
+const CACHE: [&str; 2] = ["HOME", "XDG_CACHE_HOME"];
+
+/// Samples of a patch that 52 and 112 cells need.
+const COARSE: usize = Layout::COARSE.slots();
+const FINE: usize = Layout::FINE.slots();
 
 /// Cost of a setting.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,13 +109,10 @@ pub fn time(
             all.push(took);
         }
     }
-    all.sort_unstable();
-    let micros = |time: Duration| 1.0e6 * time.as_secs_f64();
-    let at = |share: f64| micros(all[((all.len() - 1) as f64 * share) as usize]);
-    let worst = fastest.into_iter().max().map_or(0.0, micros);
+    let worst = fastest.into_iter().max().map_or(0.0, |time| 1.0e6 * time.as_secs_f64());
     let [surface_local, surface_full] = [false, true].map(|body| surface(stage, &simulation, answers, body));
-    let (p50, p99, max) = (at(0.5), at(0.99), at(1.0));
-    Ok(Cost { ticks: all.len(), p50, p99, worst, max, surface_local, surface_full, bytes: bytes(setting), instructions: None })
+    let (ticks, [p50, p99, max]) = (all.len(), quantiles(all.into_iter()));
+    Ok(Cost { ticks, p50, p99, worst, max, surface_local, surface_full, bytes: bytes(setting), instructions: None })
 }
 
 /// Median time of a surface after the last tick \[us\].
@@ -134,9 +140,8 @@ fn bytes(setting: &Setting) -> usize {
         (Tier::Bristle, ..=64) => size_of::<State<MAX_PARTS, 64, 0>>(),
         (Tier::Bristle, ..=128) => size_of::<State<MAX_PARTS, 128, 0>>(),
         (Tier::Bristle, _) => size_of::<State<MAX_PARTS, 256, 0>>(),
-        // the squares that 52 and 112 cells move in
-        (Tier::Influence | Tier::Green, ..=52) => size_of::<State<MAX_PARTS, 100, 100>>(),
-        (Tier::Influence | Tier::Green, _) => size_of::<State<MAX_PARTS, 196, 196>>(),
+        (Tier::Influence | Tier::Green, ..=52) => size_of::<State<MAX_PARTS, COARSE, COARSE>>(),
+        (Tier::Influence | Tier::Green, _) => size_of::<State<MAX_PARTS, FINE, FINE>>(),
     };
     state + size_of::<Scratch<MAX_PARTS>>()
 }
@@ -146,30 +151,29 @@ fn bytes(setting: &Setting) -> usize {
 /// # Errors
 /// When valgrind is there and does not do its work.
 pub fn count(scene: &Path, stage: &Stage<'_>, units: &Units, settings: &[Setting]) -> Result<Option<Vec<u64>>, Failure> {
-    if Command::new("valgrind").arg("--version").output().is_err() {
+    if callgrind::version().is_none() {
         return Ok(None);
     }
     let failed = |what: &dyn std::fmt::Display| Failure::problem(format!("counting instructions: {what}"));
     let folder = tempfile::tempdir().map_err(|error| failed(&error))?;
     let program = std::env::current_exe().map_err(|error| failed(&error))?;
+    let scene = std::path::absolute(scene).map_err(|error| failed(&error))?.display().to_string();
     let list = settings.iter().map(|s| format!("{} {} {}", s.tier.name(), s.samples, s.sweeps)).collect::<Vec<_>>().join(",");
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*measured_tick*", DUMP_AFTER])
-        .arg(format!("--callgrind-out-file={}", folder.path().join("dump").display()))
-        .arg(program)
-        .arg("trade")
-        .arg(scene)
-        .arg(format!("--count={} {} {},{list}", stage.depth, units.shift, units.angle))
-        .output()
-        .map_err(|error| failed(&error))?;
-    if !output.status.success() {
-        return Err(failed(&String::from_utf8_lossy(&output.stderr)));
-    }
+    let order = format!("--count={} {} {},{list}", stage.depth, units.shift, units.angle);
+    let args = &["trade", &scene, &order];
+    let job = Job {
+        program: &program,
+        args,
+        keep: &CACHE,
+        pattern: "*measured_tick*",
+        marked: &[MARKED],
+        lines: false,
+        folder: folder.path(),
+    };
+    let said = job.run().map_err(|what| failed(&what))?;
     let mut worst = vec![0; settings.len()];
-    for (call, index) in String::from_utf8_lossy(&output.stdout).lines().enumerate() {
-        let file = folder.path().join(format!("dump.{}", call + 1));
-        let text = std::fs::read_to_string(&file).map_err(|error| failed(&error))?;
-        let total = text.lines().filter_map(|line| line.strip_prefix("totals:")?.trim().parse::<u64>().ok()).next_back();
+    for (call, index) in said.lines().enumerate() {
+        let total = callgrind::total(&job.dump(call).map_err(|what| failed(&what))?);
         let place = index.parse::<usize>().ok().and_then(|index| worst.get_mut(index));
         let (Some(total), Some(place)) = (total, place) else { return Err(failed(&"a dump without a total")) };
         *place = total.max(*place);
