@@ -24,6 +24,9 @@ pub enum Tier {
 }
 
 impl Tier {
+    /// Every level, from fast to accurate.
+    pub const ALL: [Self; 5] = [Self::Point, Self::Paper, Self::Bristle, Self::Influence, Self::Green];
+
     /// The name used in files and tables.
     pub const fn name(self) -> &'static str {
         match self {

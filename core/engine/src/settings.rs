@@ -113,7 +113,9 @@ pub(crate) const fn tier_to_core(tier: wire::Tier) -> contact::Tier {
     }
 }
 
-pub(crate) const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
+/// The level as the wire names it.
+#[must_use]
+pub const fn tier_to_wire(tier: contact::Tier) -> wire::Tier {
     match tier {
         contact::Tier::Point => wire::Tier::Point,
         contact::Tier::Paper => wire::Tier::Paper,

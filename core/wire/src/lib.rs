@@ -70,6 +70,7 @@ mod cobs;
 pub mod decoder;
 pub mod device;
 pub mod digest;
+mod first_scene;
 pub mod flags;
 pub mod frame;
 pub mod packet;

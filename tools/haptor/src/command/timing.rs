@@ -6,6 +6,7 @@ use std::time::Duration;
 use fastrand::Rng;
 use haptor_contact::{Pose, Tier as CoreTier};
 use haptor_engine::Scene as Baked;
+use haptor_engine::settings::tier_to_wire;
 use haptor_wire::Tuning;
 
 use super::bake::bake;
@@ -17,7 +18,7 @@ use crate::scene::Scene;
 use crate::timing::cover::Cover;
 use crate::timing::history::History;
 use crate::timing::judge::{Dearest, Judge, dearest};
-use crate::timing::level::{Level, on_the_wire};
+use crate::timing::level::Level;
 use crate::timing::measure::{Measure, Timed, Timing};
 use crate::timing::report::{Found, Report, Row, stages};
 use crate::timing::search::{Effort, Limits, search};
@@ -137,7 +138,7 @@ fn levels(args: &Args, read: &Baked) -> Result<Vec<Level>, Failure> {
     let baked = read.setup().baked();
     let mut levels = Level::of(baked);
     if let Some(name) = args.tier {
-        let tier = on_the_wire(CoreTier::from(name));
+        let tier = tier_to_wire(CoreTier::from(name));
         levels.retain(|level| level.tier == tier);
         if let Some(samples) = args.samples {
             levels = vec![Level { tier, samples }];

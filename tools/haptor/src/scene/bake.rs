@@ -1,7 +1,8 @@
 //! From the scene file to the baked scene that the host reads.
 
 use haptor_contact::geometry::support::support;
-use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, SurfaceSample, Tier, Vec3};
+use haptor_contact::{Breakaway, ForceLaw, GuardSpec, ObjectShape, ProbePart, ProbeShape, SurfaceSample, Vec3};
+use haptor_engine::settings::tier_to_wire;
 use haptor_mesh::Baked;
 use haptor_wire as wire;
 use haptor_wire::{BakedScene, Place, ProbeParts};
@@ -33,7 +34,7 @@ impl Scene {
             region_distance: params.region_distance,
             // at most 10 and 1024: the scene has been validated
             max_regions: params.max_regions as u8,
-            tier: tier(params.tier),
+            tier: tier_to_wire(params.tier),
             samples: params.samples as u16,
             sweeps: self.extras.sweeps,
             deformation: self.extras.deformation,
@@ -140,16 +141,6 @@ pub fn grid_contents(baked: &Baked) -> Vec<u8> {
     let sample = |s: &SurfaceSample| [s.position.to_array(), s.normal.to_array()].concat().into_iter().chain([s.area]);
     let numbers = head.concat().into_iter().chain(coefficients.iter().copied()).chain(samples.iter().flat_map(sample));
     numbers.flat_map(f32::to_le_bytes).collect()
-}
-
-fn tier(tier: Tier) -> wire::Tier {
-    match tier {
-        Tier::Point => wire::Tier::Point,
-        Tier::Paper => wire::Tier::Paper,
-        Tier::Bristle => wire::Tier::Bristle,
-        Tier::Influence => wire::Tier::Influence,
-        Tier::Green => wire::Tier::Green,
-    }
 }
 
 fn breakaway(breakaway: Breakaway) -> wire::Breakaway {

@@ -1,6 +1,5 @@
 //! Levels: the tiers with their samples that a scene can be run at.
 
-use haptor_contact::Tier as CoreTier;
 use haptor_wire::{BakedScene, Tier, Tuning};
 
 /// Samples of a region where the scene says nothing: bristles, and the paper's.
@@ -56,17 +55,6 @@ impl Level {
 /// Whether a tier's samples are cells.
 pub const fn has_cells(tier: Tier) -> bool {
     matches!(tier, Tier::Influence | Tier::Green)
-}
-
-/// The tier as the wire knows it.
-pub const fn on_the_wire(tier: CoreTier) -> Tier {
-    match tier {
-        CoreTier::Point => Tier::Point,
-        CoreTier::Paper => Tier::Paper,
-        CoreTier::Bristle => Tier::Bristle,
-        CoreTier::Influence => Tier::Influence,
-        CoreTier::Green => Tier::Green,
-    }
 }
 
 #[cfg(test)]

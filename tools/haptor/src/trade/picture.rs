@@ -77,7 +77,7 @@ fn paint(path: &Path, trade: &Trade) -> Result<(), Box<dyn std::error::Error>> {
         .draw_series(LineSeries::new(frontier, FRONTIER.stroke_width(2)))?
         .label("nothing cheaper is better")
         .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], FRONTIER.stroke_width(2)));
-    for tier in [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green] {
+    for tier in Tier::ALL {
         let of_tier: Vec<&Point> = trade.asked().filter(|point| point.setting.tier == tier).collect();
         if of_tier.is_empty() {
             continue;

@@ -28,8 +28,7 @@ impl Setting {
     /// From `tier samples sweeps`.
     pub fn read(text: &str) -> Option<Self> {
         let [tier, samples, sweeps] = text.split(' ').collect::<Vec<_>>().try_into().ok()?;
-        let tiers = [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green];
-        let tier = tiers.into_iter().find(|known| known.name() == tier)?;
+        let tier = Tier::ALL.into_iter().find(|known| known.name() == tier)?;
         Some(Self { tier, samples: samples.parse().ok()?, sweeps: sweeps.parse().ok()? })
     }
 
