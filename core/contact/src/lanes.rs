@@ -4,6 +4,8 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
+use crate::math::max;
+
 /// Numbers side by side: what every x86-64 takes at once.
 pub const LANES: usize = 4;
 
@@ -16,6 +18,12 @@ impl Lanes {
     /// All the same.
     pub const fn splat(x: f32) -> Self {
         Self([x; LANES])
+    }
+
+    /// The larger of each pair.
+    pub fn larger(self, other: Self) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([max(a, e), max(b, f), max(c, g), max(d, h)])
     }
 }
 

@@ -20,7 +20,7 @@ pub fn share_out(layout: &Layout, old: f32, new: f32, cells: &mut [Bristle]) {
     let before = torque(old, cells);
     let shares = Shares::new(layout.half, old / new);
     let adds = |to: &mut Lanes, value: Lanes, share: f32| *to += value * share;
-    let keeps_most = |to: &mut Lanes, value: Lanes, _: f32| *to = Lanes(core::array::from_fn(|i| max(to.0[i], value.0[i])));
+    let keeps_most = |to: &mut Lanes, value: Lanes, _: f32| *to = to.larger(value);
     let [x, y, slipped] = quarters(cells);
     let x = shares.along_rows(&shares.along_rows(&x, adds), adds);
     let y = shares.along_rows(&shares.along_rows(&y, adds), adds);
@@ -54,7 +54,7 @@ fn gather([x, y, slipped]: [Quarter; 3], cells: &mut [Bristle]) {
         // bound: HALF steps along the diagonal
         while row < HALF && column < HALF && (Place { column, row }).distance2() > reach {
             let [of_x, of_y, most] = at([&x, &y, &slipped], row, column);
-            sum = [sum[0] + of_x, sum[1] + of_y, Lanes(core::array::from_fn(|i| max(sum[2].0[i], most.0[i])))];
+            sum = [sum[0] + of_x, sum[1] + of_y, sum[2].larger(most)];
             (row, column) = (row + 1, column + 1);
         }
         for (image, cell) in cells.iter_mut().enumerate() {
