@@ -29,7 +29,10 @@ fn report(outcome: &Outcome) -> ExitCode {
         say(format_args!("{error}; {} records not written", outcome.written.unwritten));
     }
     if outcome.written.dumps_left_out > 0 {
-        say(format_args!("{} black boxes not written; name a file with --blackbox", outcome.written.dumps_left_out));
+        say(format_args!(
+            "{} black boxes not written: too many faults, too soon one after another, or no file named with --blackbox",
+            outcome.written.dumps_left_out
+        ));
     }
     if outcome.is_good() { ExitCode::SUCCESS } else { ExitCode::from(EXIT_PROBLEM) }
 }

@@ -48,7 +48,7 @@ pub struct Written {
     pub unwritten: u64,
     /// Black boxes written.
     pub dumps: u32,
-    /// Faults whose black box was not written: no name given, too many, or the disk refused.
+    /// Faults whose black box was not written: no name given, too many, too soon one after another, or the disk refused.
     pub dumps_left_out: u32,
     /// The first thing that went wrong.
     pub error: Option<HostError>,
@@ -172,6 +172,7 @@ impl Recorder {
             self.write_dump(&dump);
             sources.dumps.give_back(dump.ring);
         }
+        self.written.dumps_left_out += sources.dumps.take_lost();
     }
 
     /// A record of the real-time thread.

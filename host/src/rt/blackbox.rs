@@ -3,6 +3,9 @@
 //! Two buffers: one records while the other is being written to a file by an ordinary thread and comes back. Handing over moves a
 //! pointer. While both are away nothing is lost but the hand-over itself, and that is counted.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use haptor_wire::{FaultRecord, TickRecord};
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -56,7 +59,7 @@ pub struct BlackBox {
     ring: Option<Ring>,
     dumps: Producer<Dump>,
     spare: Consumer<Ring>,
-    lost: u32,
+    lost: Arc<AtomicU32>,
 }
 
 /// The writing end, on an ordinary thread.
@@ -64,6 +67,7 @@ pub struct BlackBox {
 pub struct BlackBoxReader {
     dumps: Consumer<Dump>,
     spare: Producer<Ring>,
+    lost: Arc<AtomicU32>,
 }
 
 /// Both ends for so many ticks a second, with all their memory.
@@ -74,8 +78,9 @@ pub fn black_box(rate_hz: u32) -> (BlackBox, BlackBoxReader) {
     for _ in 1..BUFFERS {
         let _ = reader_spare.push(Ring::new(rate_hz));
     }
-    let writer = BlackBox { ring: Some(Ring::new(rate_hz)), dumps, spare, lost: 0 };
-    (writer, BlackBoxReader { dumps: reader_dumps, spare: reader_spare })
+    let lost = Arc::default();
+    let writer = BlackBox { ring: Some(Ring::new(rate_hz)), dumps, spare, lost: Arc::clone(&lost) };
+    (writer, BlackBoxReader { dumps: reader_dumps, spare: reader_spare, lost })
 }
 
 impl BlackBox {
@@ -92,17 +97,11 @@ impl BlackBox {
     /// Hands the ticks so far over with `fault` and begins anew.
     pub fn hand_over(&mut self, fault: FaultRecord) {
         let Some(ring) = self.ring.take() else {
-            self.lost = self.lost.saturating_add(1);
+            self.lost.fetch_add(1, Ordering::Relaxed);
             return;
         };
         // as many places as buffers: there is room
         let _ = self.dumps.push(Dump { fault, ring });
-    }
-
-    /// Faults whose ticks could not be handed over because the writer still had both buffers.
-    #[must_use]
-    pub const fn lost(&self) -> u32 {
-        self.lost
     }
 }
 
@@ -117,6 +116,11 @@ impl BlackBoxReader {
         ring.recorded = 0;
         // as many places as buffers: there is room
         let _ = self.spare.push(ring);
+    }
+
+    /// Faults since the last call whose ticks could not be handed over because the writer still had both buffers.
+    pub fn take_lost(&mut self) -> u32 {
+        self.lost.swap(0, Ordering::Relaxed)
     }
 }
 
@@ -150,7 +154,7 @@ mod tests {
             record(&mut writer, 0..5);
             writer.hand_over(FAULT);
         }
-        assert_eq!(writer.lost(), 1);
+        assert_eq!((reader.take_lost(), reader.take_lost()), (1, 0));
         let dump = reader.take().unwrap();
         reader.give_back(dump.ring);
         record(&mut writer, 7..9);
