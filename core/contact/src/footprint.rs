@@ -6,14 +6,14 @@ use crate::World;
 use crate::frames::Pose;
 use crate::geometry::curvature::{self, Curvature};
 use crate::geometry::deepest::{Deepest, PartFrame};
-use crate::geometry::edges::{Edges, Left};
+use crate::geometry::edges::Edges;
 use crate::geometry::gap::deepest_meaningful;
 use crate::geometry::outline::{LEVELS, Levels, Stand};
-use crate::geometry::slice::slice;
 use crate::geometry::support;
 use crate::math::{GAUSS_4, PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
 use crate::mesh_shape::MeshShape;
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
+use crate::overlap::{Growth, Standing};
 use crate::params::{FORCE_TABLE_LEN, ForceLaw};
 use crate::profile::FULLNESS_HERTZ;
 
@@ -35,25 +35,21 @@ impl Footprint {
     pub const NONE: Self = Self { radius: 0.0, load: 0.0, fullness: FULLNESS_HERTZ, large_strain: false };
 }
 
-/// What the overlap of a patch is read from.
+/// What a footprint is read from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// A primitive: closed forms and slices.
-    Primitive(ProbeShape<'static>),
-    /// A mesh: outlines at a few depths, and the centroid of the last in the part's frame.
-    Outlined(Levels, Vec3),
+    /// Hertz's closed forms: principal curvatures of the gap, larger first \[1/m\].
+    Smooth((f32, f32)),
+    /// The overlap at every depth, and the centre of the patch in the part's frame.
+    Cut(Growth, Vec3),
 }
 
 /// The constant geometry of a patch in one tick: what a footprint needs besides the depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seat {
     form: Form,
-    /// Direction into the object, in the part's frame.
-    d: Vec3,
-    /// Edges of the object near the part.
-    edges: Option<Edges>,
-    /// Principal curvatures of the gap for smooth parts, larger first \[1/m\].
-    curvatures: (f32, f32),
+    /// An edge of the object is near the part.
+    at_edge: bool,
     /// Mean curvature of the object \[1/m\].
     object_mean: f32,
     /// Radius of the largest disc the object's face can offer \[m\].
@@ -67,39 +63,23 @@ impl Seat {
     pub fn new(model: &Model<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, at: &Deepest) -> Self {
         let n = at.gap.normal;
         let e1 = perpendicular(n);
-        let e2 = n.cross(e1);
-        let object = curvature::of_object(&model.object, at.point, n, e1, e2);
-        let to_part = x_wa.rotation.conjugate();
-        let d = to_part * -n;
-        let of_part = match part.shape {
-            ProbeShape::Sphere { radius } => Curvature::isotropic(1.0 / radius),
-            ProbeShape::Ellipsoid { semi_axes } => curvature::of_ellipsoid(semi_axes, d, to_part * e1, to_part * e2),
-            _ => Curvature::default(),
+        let place = Place {
+            object: &model.object,
+            at,
+            to_part: x_wa.rotation.conjugate(),
+            origin: x_wa.position,
+            frame: [n, e1, n.cross(e1)],
         };
-        let lowest = to_part * (at.point - x_wa.position);
-        let edges = Edges::about(&model.object, at, [n, e1, e2], to_part, lowest, 2.0 * support::reach(&part.shape));
-        let form = match part.shape {
-            ProbeShape::Mesh(mesh) => outlined(&mesh, lowest, to_part, [n, e1, e2], object, at, edges.as_ref()),
-            shape => shape.primitive().map_or(Form::NONE, Form::Primitive),
-        };
-        Self {
-            form,
-            d,
-            edges,
-            curvatures: of_part.plus(object).principal(),
-            object_mean: object.mean(),
-            widest: min(widest_disc(&model.object, n), support::widest_disc(&part.shape)),
-            deepest_meaningful: min(deepest_meaningful(&model.object), support::half_thickness(&part.shape)),
-        }
+        let bent = curvature::of_object(&model.object, at.point, n, e1, n.cross(e1));
+        let widest = min(widest_disc(&model.object, n), support::widest_disc(&part.shape));
+        let deepest_meaningful = min(deepest_meaningful(&model.object), support::half_thickness(&part.shape));
+        let (form, at_edge) = place.form(&part.shape, bent, widest, deepest_meaningful);
+        Self { form, at_edge, object_mean: bent.mean(), widest, deepest_meaningful }
     }
 
     /// An edge of the object is near enough to cut the patch.
     pub fn is_at_edge(&self) -> bool {
-        self.edges.is_some()
-    }
-
-    fn is_smooth(&self) -> bool {
-        matches!(self.form, Form::Primitive(ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. }))
+        self.at_edge
     }
 
     /// Mean radius of curvature of the object \[m\]; infinite on flat faces.
@@ -108,104 +88,77 @@ impl Seat {
     }
 
     /// Centre of the patch in the part's frame, `None` where it is the deepest point itself.
-    pub fn centroid(&self, depth: f32) -> Option<Vec3> {
+    pub fn centroid(&self) -> Option<Vec3> {
         match self.form {
-            Form::Primitive(_) if self.is_smooth() => None,
-            Form::Primitive(shape) => {
-                let centroid = slice(&shape, self.d, depth).centroid;
-                Some(centroid + self.left(&shape, centroid, depth).moved + self.d * depth)
-            }
-            Form::Outlined(_, centroid) => Some(centroid),
+            Form::Smooth(_) => None,
+            Form::Cut(_, middle) => Some(middle),
         }
     }
 
     /// Footprint at `depth` > 0 \[m\].
     pub fn footprint(&self, contact_modulus: f32, depth: f32) -> Footprint {
         let depth_used = min(depth, self.deepest_meaningful);
-        let mut footprint = if self.is_smooth() {
-            smooth(self.curvatures, contact_modulus, depth_used)
-        } else {
-            self.sliced(contact_modulus, depth_used)
+        let mut footprint = match &self.form {
+            Form::Smooth(curvatures) => smooth(*curvatures, contact_modulus, depth_used),
+            Form::Cut(growth, _) => cut(growth, contact_modulus, depth_used),
         };
         footprint.large_strain |= depth > self.deepest_meaningful || footprint.radius > self.widest;
         footprint.radius = min(footprint.radius, self.widest);
         footprint
     }
+}
 
-    /// What the object's edges leave of a slice of a primitive.
-    fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
-        self.edges.as_ref().map_or(Left::ALL, |edges| edges.left(shape, centroid, depth))
-    }
+/// Where a part stands on the object.
+struct Place<'a> {
+    object: &'a ObjectShape<'a>,
+    at: &'a Deepest,
+    to_part: Quat,
+    /// Origin of the part in world \[m\].
+    origin: Vec3,
+    /// The contact's normal and tangents in world.
+    frame: [Vec3; 3],
+}
 
-    /// Overlap of the undeformed bodies at `depth`: the part's slice on a flat face; on a curved object the slice whose height and the
-    /// object's own fall, area x curvature / (2 pi), add up to the depth.
-    fn overlap(&self, depth: f32) -> Overlap {
-        let widest = PI * self.widest * self.widest;
-        let shape = match self.form {
-            Form::Primitive(shape) => shape,
-            Form::Outlined(levels, _) => {
-                let (area, aspect) = levels.at(depth);
-                return Overlap { area: min(area, widest), aspect };
+impl Place<'_> {
+    /// What the footprint of `shape` is read from, where the object is `bent`, and whether an edge is near.
+    fn form(&self, shape: &ProbeShape<'_>, bent: Curvature, widest: f32, meaningful: f32) -> (Form, bool) {
+        let [d, e1, e2] = [-self.frame[0], self.frame[1], self.frame[2]].map(|e| self.to_part * e);
+        let lowest = self.to_part * (self.at.point - self.origin);
+        let edges = Edges::about(self.object, self.at, self.frame, self.to_part, lowest, 2.0 * support::reach(shape));
+        let near = edges.is_some();
+        let (depth, area) = (-self.at.gap.distance, PI * widest * widest);
+        let used = min(depth, meaningful);
+        let form = match (shape, shape.primitive()) {
+            (&ProbeShape::Sphere { radius }, _) => Form::Smooth(Curvature::isotropic(1.0 / radius).plus(bent).principal()),
+            (&ProbeShape::Ellipsoid { semi_axes }, _) => {
+                Form::Smooth(curvature::of_ellipsoid(semi_axes, d, e1, e2).plus(bent).principal())
             }
+            (ProbeShape::Mesh(mesh), _) => {
+                let (levels, middle) = outlined(mesh, lowest, [-d, e1, e2], bent, depth, edges.as_ref());
+                Form::Cut(Growth::of_outlines(&levels, used, area), middle)
+            }
+            (_, Some(shape)) => {
+                let edges = edges.filter(|edges| edges.may_cut(&shape));
+                let standing = Standing { shape: &shape, d, edges: edges.as_ref(), curvature: bent.mean(), widest: area };
+                let (growth, middle) = standing.growth(depth, used);
+                Form::Cut(growth, middle)
+            }
+            (_, None) => Form::Smooth(bent.principal()),
         };
-        let slice_at = |z: f32| slice(&shape, self.d, z);
-        let fall = 0.5 * self.object_mean / PI;
-        if self.object_mean <= 0.0 {
-            let slice = slice_at(depth);
-            let share = self.left(&shape, slice.centroid, depth).share;
-            return Overlap { area: min(slice.area * share, widest), aspect: slice.aspect };
-        }
-        let (mut low, mut high) = (0.0, depth);
-        for _ in 0..SLICE_STEPS {
-            let middle = 0.5 * (low + high);
-            if middle + fall * slice_at(middle).area < depth { low = middle } else { high = middle }
-        }
-        // where the slice widens fast the height is the surer figure, where the object is nearly flat the slice is
-        let inner = if low > 0.0 { slice_at(low).area } else { 0.0 };
-        let outer = slice_at(high);
-        let area = clamp((depth - 0.5 * (low + high)) / fall, inner, outer.area);
-        // the part of the depth that the object's own fall makes is round
-        let share = clamp((depth - fall * area) / depth, 0.0, 1.0);
-        let left = self.left(&shape, outer.centroid, depth).share;
-        Overlap { area: min(area * left, widest), aspect: 1.0 + (outer.aspect - 1.0) * share }
-    }
-
-    /// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).
-    fn sliced(&self, contact_modulus: f32, depth: f32) -> Footprint {
-        let area = self.overlap(depth).area;
-        let shrink = contact_over_slice(exponent(area, self.overlap(0.5 * depth).area));
-        let radius_of = |area: f32| shrink * root(area / PI);
-        // the rule runs over the square root of the depth's share, in which every power of the radius is a polynomial
-        let (mut integral, mut round) = (0.0, 0.0);
-        for (s, w) in GAUSS_4 {
-            let Overlap { area, aspect } = self.overlap(depth * s * s);
-            let part = w * 2.0 * s * radius_of(area);
-            integral += part * long_factor(aspect);
-            round += part;
-        }
-        let radius = radius_of(area);
-        let load = 2.0 * contact_modulus * depth * integral;
-        let fullness = if radius > 0.0 { round / radius } else { FULLNESS_HERTZ };
-        Footprint { radius, load, fullness, large_strain: false }
+        (form, near)
     }
 }
 
-impl Form {
-    /// Nothing to press with.
-    const NONE: Self = Self::Primitive(ProbeShape::Sphere { radius: 0.0 });
-}
-
-/// Outlines of a mesh part whose deepest point is `lowest` in the part's frame, on an object of the curvature `bent` in the tangents of `frame`.
+/// Outlines of a mesh part whose deepest point is `lowest` in the part's frame, on an object of the curvature `bent` in the tangents of `frame`, and the centroid of
+/// the last.
 fn outlined(
     mesh: &MeshShape<'_>,
     lowest: Vec3,
-    to_part: Quat,
     frame: [Vec3; 3],
     bent: Curvature,
-    at: &Deepest,
+    depth: f32,
     edges: Option<&Edges>,
-) -> Form {
-    let (frame, depth) = (frame.map(|e| to_part * e), -at.gap.distance);
+) -> (Levels, Vec3) {
     let mut outlines = Stand { grid: mesh.grid(), lowest, frame, object: bent, reach: mesh.reach() }.outlines(depth);
     if let Some(edges) = edges {
         for (outline, s) in outlines.iter_mut().zip(LEVELS) {
@@ -216,39 +169,32 @@ fn outlined(
     }
     let [_, e1, e2] = frame;
     let middle = outlines[LEVELS.len() - 1].centroid;
-    Form::Outlined(Levels::new(depth, &outlines), lowest + e1 * middle.x + e2 * middle.y)
+    (Levels::new(depth, &outlines), lowest + e1 * middle.x + e2 * middle.y)
 }
 
-/// Overlap of the undeformed bodies.
-struct Overlap {
-    area: f32,
-    aspect: f32,
-}
-
-/// Steps of the arithmetic-geometric mean: quadratic, so that four settle an aspect of 1e4 to f32.
-const MEAN_STEPS: usize = 4;
-
-/// How much stiffer an ellipse of this aspect is than the disc of equal area (theory.md, equation 3.9).
-fn long_factor(aspect: f32) -> f32 {
-    if aspect <= 1.0 {
-        return 1.0;
+/// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).
+fn cut(growth: &Growth, contact_modulus: f32, depth: f32) -> Footprint {
+    let share = growth.share(depth);
+    let whole = growth.at(share).radius;
+    let shrink = contact_over_slice(exponent(whole, growth.half(share)));
+    // the rule runs over the square root of the depth's share, in which every power of the radius is a polynomial
+    let (mut pressed, mut round) = (0.0, 0.0);
+    for (s, w) in GAUSS_4 {
+        let overlap = growth.at(share * s);
+        pressed += w * 2.0 * s * overlap.pressed;
+        round += w * 2.0 * s * overlap.radius;
     }
-    let (mut a, mut g) = (1.0, 1.0 / aspect);
-    for _ in 0..MEAN_STEPS {
-        (a, g) = (0.5 * (a + g), root(a * g));
-    }
-    root(aspect) * a
+    let load = 2.0 * contact_modulus * depth * shrink * pressed;
+    let fullness = if whole > 0.0 { round / whole } else { FULLNESS_HERTZ };
+    Footprint { radius: shrink * whole, load, fullness, large_strain: false }
 }
 
-/// Local exponent n of depth over radius, from the overlap areas at a depth and at half of it.
-fn exponent(area: f32, half_area: f32) -> f32 {
-    let growth = 0.5 * ln(area / half_area);
+/// Local exponent n of depth over radius, from the radii of the overlap at a depth and at half of it.
+fn exponent(radius: f32, half_radius: f32) -> f32 {
+    let growth = ln(radius / half_radius);
     let n = if growth > 0.0 { ln(2.0) / growth } else { LARGEST_EXPONENT };
     if n.is_finite() { clamp(n, 1.0, LARGEST_EXPONENT) } else { LARGEST_EXPONENT }
 }
-
-/// Halvings that place the slice on a curved object: 2^-7 of the depth, refined by the fall's own equation.
-const SLICE_STEPS: usize = 7;
 
 /// Exponent that stands for a flat punch: its footprint is a flat one's within 0.1 %.
 const LARGEST_EXPONENT: f32 = 1.0e4;
@@ -329,17 +275,12 @@ mod tests {
 
     const E_STAR: f32 = 4.0e6;
 
-    fn level(shape: ProbeShape<'static>, object_mean: f32) -> Seat {
-        let curvatures = (object_mean, object_mean);
-        Seat {
-            form: Form::Primitive(shape),
-            edges: None,
-            d: -Vec3::Z,
-            curvatures,
-            object_mean,
-            widest: f32::MAX,
-            deepest_meaningful: 1.0,
-        }
+    /// A part upright on an object of this mean curvature, pressed by `depth`.
+    fn level(shape: ProbeShape<'static>, object_mean: f32, depth: f32) -> Footprint {
+        let standing = Standing { shape: &shape, d: -Vec3::Z, edges: None, curvature: object_mean, widest: f32::MAX };
+        let (growth, middle) = standing.growth(depth, depth);
+        let form = Form::Cut(growth, middle);
+        Seat { form, at_edge: false, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }.footprint(E_STAR, depth)
     }
 
     fn near(a: f32, b: f32, relative: f32) -> bool {
@@ -348,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_flat_punch_gives_2_e_a_delta() {
-        let found = level(ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 0.0).footprint(E_STAR, 1.0e-3);
+        let found = level(ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 0.0, 1.0e-3);
         assert!(near(found.load, 2.0 * E_STAR * 0.01 * 1.0e-3, 2.0e-3) && near(found.radius, 0.01, 1.0e-3), "{found:?}");
         assert!(near(found.fullness, 1.0, 1.0e-3));
     }
@@ -356,7 +297,7 @@ mod tests {
     #[test]
     fn a_cone_gives_its_closed_form() {
         let (radius, height, depth) = (0.02, 0.01, 1.0e-3);
-        let found = level(ProbeShape::Cone { radius, height }, 0.0).footprint(E_STAR, depth);
+        let found = level(ProbeShape::Cone { radius, height }, 0.0, depth);
         let tan = radius / height;
         assert!(near(found.radius, 2.0 / PI * depth * tan, 5.0e-3), "{found:?}");
         assert!(near(found.load, 2.0 / PI * E_STAR * depth * depth * tan, 1.0e-2), "{found:?}");
@@ -365,16 +306,14 @@ mod tests {
 
     #[test]
     fn a_round_end_sliced_is_hertz() {
-        let seat = level(ProbeShape::Capsule { radius: 0.02, height: 0.03 }, 0.0);
-        let found = seat.footprint(E_STAR, 1.0e-4);
+        let found = level(ProbeShape::Capsule { radius: 0.02, height: 0.03 }, 0.0, 1.0e-4);
         let hertz = smooth((50.0, 50.0), E_STAR, 1.0e-4);
         assert!(near(found.load, hertz.load, 1.0e-2) && near(found.radius, hertz.radius, 1.0e-2), "{found:?} {hertz:?}");
     }
 
     #[test]
     fn a_flat_end_on_a_ball_is_hertz_with_the_balls_radius() {
-        let seat = level(ProbeShape::Cylinder { radius: 0.05, height: 0.04 }, 1.0 / 0.05);
-        let found = seat.footprint(E_STAR, 1.0e-4);
+        let found = level(ProbeShape::Cylinder { radius: 0.05, height: 0.04 }, 1.0 / 0.05, 1.0e-4);
         let hertz = smooth((20.0, 20.0), E_STAR, 1.0e-4);
         assert!(near(found.load, hertz.load, 1.0e-2) && near(found.radius, hertz.radius, 1.0e-2), "{found:?} {hertz:?}");
     }

@@ -53,6 +53,7 @@ mod limits;
 mod math;
 mod mesh_shape;
 mod model;
+mod overlap;
 mod params;
 mod patch;
 mod report;

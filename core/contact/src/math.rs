@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-pub(crate) use core::f32::consts::{FRAC_PI_2, PI};
+pub(crate) use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
 pub(crate) fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)

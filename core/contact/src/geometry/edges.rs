@@ -10,6 +10,7 @@ use glam::{Quat, Vec2, Vec3};
 use crate::geometry::deepest::Deepest;
 use crate::geometry::gap;
 use crate::geometry::outline::{DIRECTIONS, RAYS};
+use crate::geometry::support::support;
 use crate::math::{direction, max, min, root};
 use crate::model::{ObjectShape, ProbeShape};
 
@@ -105,16 +106,24 @@ impl Edges {
         (near || near_side).then_some(edges)
     }
 
+    /// False where no slice of `shape` reaches over an edge, at any depth up to the contact's.
+    pub fn may_cut(&self, shape: &ProbeShape<'_>) -> bool {
+        let [_, e1, e2] = self.frame;
+        // how far the part reaches from its deepest point along a direction in the tangent plane
+        let reach = |along: Vec2| {
+            let e = e1 * along.x + e2 * along.y;
+            (support(shape, e) - self.lowest).dot(e)
+        };
+        let over = |face: &Face| face.slack - max(face.rise, 0.0) * self.depth < reach(face.along);
+        self.faces.iter().any(over) || self.side.is_some_and(|side| side.is_crossed(self.depth, reach))
+    }
+
     /// What is left of the slice of `shape` with this `centroid` at `depth` \[m\].
     pub fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
         let [_, e1, e2] = self.frame;
         let from_lowest = centroid - self.lowest;
         let middle = Vec2::new(from_lowest.dot(e1), from_lowest.dot(e2));
-        let mut corners = heapless::Vec::<Vec2, MAX_CORNERS>::new();
-        for ray in DIRECTIONS {
-            let length = exit(shape, centroid, e1 * ray.x + e2 * ray.y);
-            let _ = corners.push(middle + ray * length);
-        }
+        let corners = DIRECTIONS.map(|ray| middle + ray * exit(shape, centroid, e1 * ray.x + e2 * ray.y));
         let (share, moved) = self.kept(&corners, depth);
         Left { share, moved: e1 * moved.x + e2 * moved.y }
     }
@@ -123,22 +132,24 @@ impl Edges {
     pub fn kept(&self, corners: &[Vec2], depth: f32) -> (f32, Vec2) {
         // at a smaller depth the deepest point stands higher
         let lift = self.depth - depth;
-        let mut polygon = heapless::Vec::<Vec2, MAX_CORNERS>::new();
-        let _ = polygon.extend_from_slice(corners);
-        let mut cut = false;
+        let reach2 = corners.iter().fold(0.0, |reach2, corner| max(reach2, corner.length_squared()));
+        let mut polygon = Polygon::of(corners);
         for face in self.faces {
-            cut |= clip(&mut polygon, face.along, face.slack - face.rise * lift);
-        }
-        if let Some(side) = self.side {
-            for &corner in corners {
-                let (normal, limit) = side.tangent(corner, lift);
-                cut |= clip(&mut polygon, normal, limit);
+            let limit = face.slack - face.rise * lift;
+            if limit <= 0.0 || limit * limit < face.along.length_squared() * reach2 {
+                polygon.clip(face.along, limit);
             }
         }
-        if !cut {
+        if let Some(side) = self.side.filter(|side| side.is_left_by(corners, lift)) {
+            for &corner in corners {
+                let (normal, limit) = side.tangent(corner, lift);
+                polygon.clip(normal, limit);
+            }
+        }
+        if !polygon.is_cut {
             return (1.0, Vec2::ZERO);
         }
-        let ((whole, old), (left, new)) = (area_and_centroid(corners), area_and_centroid(&polygon));
+        let ((whole, old), (left, new)) = (area_and_centroid(corners), area_and_centroid(&polygon.corners));
         if whole > 0.0 && left > 0.0 { (min(left / whole, 1.0), new - old) } else { (0.0, Vec2::ZERO) }
     }
 }
@@ -151,27 +162,58 @@ impl Side {
         let out = direction(start + e1 * corner.x + e2 * corner.y, Vec3::X);
         (Vec2::new(out.dot(e1), out.dot(e2)), self.radius - out.dot(start))
     }
+
+    /// True where a corner lies outside the round side.
+    fn is_left_by(&self, corners: &[Vec2], lift: f32) -> bool {
+        let [n, e1, e2] = self.across;
+        let start = self.off + n * lift;
+        corners.iter().any(|corner| (start + e1 * corner.x + e2 * corner.y).length_squared() > self.radius * self.radius)
+    }
+
+    /// True where a part that reaches so far in the tangent plane may leave the round side at some depth up to `depth`: from a box about it.
+    fn is_crossed(&self, depth: f32, reach: impl Fn(Vec2) -> f32) -> bool {
+        let [n, e1, e2] = self.across;
+        let out = direction(self.off, Vec3::X);
+        let farthest = |u: Vec3| u.dot(self.off) + max(u.dot(n), 0.0) * depth + reach(Vec2::new(u.dot(e1), u.dot(e2)));
+        let hoop = Vec3::Z.cross(out);
+        let (far, wide) = (max(farthest(out), farthest(-out)), max(farthest(hoop), farthest(-hoop)));
+        far * far + wide * wide > self.radius * self.radius
+    }
 }
 
-/// Keeps the part of the polygon where normal . x <= limit; false where that is all of it.
-fn clip(polygon: &mut heapless::Vec<Vec2, MAX_CORNERS>, normal: Vec2, limit: f32) -> bool {
-    if polygon.iter().all(|corner| normal.dot(*corner) <= limit) {
-        return false;
+/// A polygon while it is cut.
+struct Polygon {
+    corners: Corners,
+    is_cut: bool,
+}
+
+type Corners = heapless::Vec<Vec2, MAX_CORNERS>;
+
+impl Polygon {
+    fn of(corners: &[Vec2]) -> Self {
+        Self { corners: Corners::from_slice(corners).unwrap_or_default(), is_cut: false }
     }
-    let mut kept = heapless::Vec::new();
-    let mut last = polygon.last().copied().unwrap_or_default();
-    for &here in polygon.iter() {
-        let (a, b) = (normal.dot(last) - limit, normal.dot(here) - limit);
-        if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
-            let _ = kept.push(last + (here - last) * (a / (a - b)));
+
+    /// Keeps the part where normal . x <= limit.
+    fn clip(&mut self, normal: Vec2, limit: f32) {
+        if self.corners.iter().all(|corner| normal.dot(*corner) <= limit) {
+            return;
         }
-        if b <= 0.0 {
-            let _ = kept.push(here);
+        let mut kept = Corners::new();
+        let Some(mut last) = self.corners.last().copied() else { return };
+        let mut a = normal.dot(last) - limit;
+        for &here in &self.corners {
+            let b = normal.dot(here) - limit;
+            if (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0) {
+                let _ = kept.push(last + (here - last) * (a / (a - b)));
+            }
+            if b <= 0.0 {
+                let _ = kept.push(here);
+            }
+            (last, a) = (here, b);
         }
-        last = here;
+        *self = Self { corners: kept, is_cut: true };
     }
-    *polygon = kept;
-    true
 }
 
 fn area_and_centroid(corners: &[Vec2]) -> (f32, Vec2) {

@@ -66,7 +66,7 @@ fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart<'_>, x_wa: &Pose<Wo
         return None;
     }
     let seat = Seat::new(model, part, x_wa, &at);
-    let centre = seat.centroid(depth).map_or(at.point, |p_a| x_wa.point(p_a));
+    let centre = seat.centroid().map_or(at.point, |p_a| x_wa.point(p_a));
     Some(Contact { part: index, centre, normal: at.gap.normal, depth, seat })
 }
 
