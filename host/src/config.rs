@@ -11,7 +11,8 @@ use crate::rt::policy::{Right, RtPolicy};
 use crate::rt::scale::ticks_at;
 use crate::rt::stale::StaleRule;
 use crate::viewer::listen::ViewerAddress;
-use crate::work::Budget;
+use haptor_engine::work::budget;
+use haptor_wire::WorkBudget;
 use haptor_wire::viewer::DEFAULT_ADDRESS;
 
 /// Slowest rate \[Hz\]: below it a hand feels steps, and a stale pose is held for longer than a hand takes to react.
@@ -82,10 +83,10 @@ pub struct Args {
     /// What ticks follow; default: the clock, with USB the device
     #[arg(long, value_enum)]
     pub pace: Option<PaceArg>,
-    /// Work a tick may spend before tier and samples are lowered: auto measures this machine before the session, off sets no limit, or instructions; default: what
-    /// the scene says
-    #[arg(long, value_name = "auto|off|N")]
-    pub budget: Option<Budget>,
+    /// Work a tick may spend before tier and samples are lowered, in this scene and in those that viewers bring: auto measures this machine for each, off sets no
+    /// limit, scene leaves it to each, or instructions
+    #[arg(long, value_name = "scene|auto|off|N", value_parser = budget, default_value_t = WorkBudget::Scene)]
+    pub budget: WorkBudget,
 }
 
 const HELP_END: &str = "\
@@ -172,8 +173,8 @@ pub struct Config {
     pub status: StatusFormat,
     /// What ticks follow.
     pub follow: Follow,
-    /// What a tick may spend.
-    pub budget: Budget,
+    /// What says how much a tick may spend.
+    pub budget: WorkBudget,
     /// How long a wrench outlives its pose.
     pub stale: StaleRule,
     /// The session ends with standard input.
@@ -204,7 +205,7 @@ impl Config {
                 Rt::Enforce => RtPolicy::Enforce,
                 Rt::Ignore => RtPolicy::Ignore,
             },
-            budget: args.budget.unwrap_or(Budget::Scene),
+            budget: args.budget,
             follow: match args.pace.unwrap_or(default_pace) {
                 PaceArg::Clock => Follow::Clock,
                 PaceArg::Device => Follow::Device,

@@ -141,7 +141,14 @@ fn supervise<'scope>(
     let recorder = Recorder::create(origin.clone(), config.record.clone(), config.black_box.clone());
     let attended = recorder.and_then(|(recorder, orders)| {
         let recorder = recorder.with_figures(figures.clone());
-        let session = viewer::entrance::Session { scene: scene.clone(), origin, recorder: orders, figures, end: viewers_end };
+        let session = viewer::entrance::Session {
+            scene: scene.clone(),
+            budget: config.budget,
+            origin,
+            recorder: orders,
+            figures,
+            end: viewers_end,
+        };
         let recorder = start(scope, "recorder", move || recorder.run(sources, &recorder_end))?;
         Ok((recorder, entrance.map(|entrance| entrance.serve(scope, session)).transpose()?))
     });
@@ -176,9 +183,10 @@ fn real_time(
     let mut engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
     let line = Line::new(link, links);
     let obtained = policy::apply(config.rt, config.cpu, &config.without)?;
-    let budget = work::set(config.budget, scene, &mut engine, config.rate_hz, &Monotonic);
-    let measured = budget.map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
-    if let (Some(measured), StatusFormat::Text) = (measured, config.status) {
+    let budget = work::find(config.budget, scene, config.rate_hz, &Monotonic);
+    let budget = budget.map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
+    engine.limit(budget.limit);
+    if let (Some(measured), StatusFormat::Text) = (budget.measured, config.status) {
         // nobody need be left to hear it
         let _ = writeln!(stderr(), "haptor-host: {measured}");
     }

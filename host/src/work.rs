@@ -1,16 +1,18 @@
 //! What a unit of work takes on this machine, and the budget of a tick that follows from it.
 //!
-//! The core counts work in instructions of its x86-64 release build ([`haptor_contact::budget`]). What one takes here is measured before the session: an engine of the scene,
+//! The core counts work in instructions of its x86-64 release build ([`haptor_contact::budget`]). What one takes here is measured: an engine of the scene,
 //! without limit, presses, slides and twists for a second of ticks, and each tick's time is divided by its estimate. What all but one tick in a hundred stay below is
 //! taken, so that caches and branches that are not warm are in it and an interrupt is not. The budget is what a share of the period has room for. It is a setting
 //! like any other: it goes into the recording with the session's tuning, so that a replay needs no clock to come out to the bit.
+//!
+//! A session has one **rule**, the host's `--budget` until a viewer says another: every scene that it runs, the first and those that viewers bring, gets its budget by it
+//! ([`find`]). The first scene is measured on the real-time thread before its loop begins, later ones on an ordinary thread, while another scene runs.
 
 use std::fmt;
-use std::str::FromStr;
 
 use haptor_contact::{MAX_WORK, MIN_WORK, Pose, Quat, Vec3};
-use haptor_engine::{DeviceBase, Handle, OwnedEngine, Scene, SceneError};
-use haptor_wire::Tuning;
+use haptor_engine::{DeviceBase, Handle, Limit, Scene, SceneError};
+use haptor_wire::WorkBudget;
 
 use crate::rt::clock::Clock;
 
@@ -29,35 +31,6 @@ const QUANTILE: f64 = 0.99;
 /// How deep the motion goes below the place where it starts \[m\]: a scene that was baked starts 5 mm above the object, so 1 mm into it.
 const DOWN: f32 = 0.006;
 
-/// What is asked for on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Budget {
-    /// What the scene says.
-    Scene,
-    /// What this machine does within a share of the period.
-    Auto,
-    /// No limit.
-    Off,
-    /// So many instructions.
-    Work(u32),
-}
-
-/// `--budget` in words.
-const ALLOWED: &str = "auto, off, or instructions a tick, 10000 to 1000000000";
-
-impl FromStr for Budget {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match (text, text.parse()) {
-            ("auto", _) => Ok(Self::Auto),
-            ("off", _) => Ok(Self::Off),
-            (_, Ok(work)) if (MIN_WORK..=MAX_WORK).contains(&work) => Ok(Self::Work(work)),
-            _ => Err(format!("allowed is {ALLOWED}")),
-        }
-    }
-}
-
 /// A measured budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
@@ -74,40 +47,34 @@ impl fmt::Display for Measured {
     }
 }
 
-/// Gives `engine`, which is of `scene`, the budget that is asked for; what was measured, where something was.
-///
-/// # Errors
-/// [`SceneError`] where the scene itself does not run.
-pub fn set(
-    asked: Budget,
-    scene: &Scene,
-    engine: &mut OwnedEngine,
-    rate_hz: u32,
-    clock: &impl Clock,
-) -> Result<Option<Measured>, SceneError> {
-    let (work, measured) = match asked {
-        Budget::Scene => return Ok(None),
-        Budget::Off => (None, None),
-        Budget::Work(work) => (Some(work), None),
-        Budget::Auto => {
-            let measured = measure(scene, rate_hz, clock)?;
-            (Some(measured.work), Some(measured))
-        }
-    };
-    limit(scene, engine, work)?;
-    Ok(measured)
+/// A budget that was found for a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// What a tick may spend.
+    pub limit: Limit,
+    /// What was measured, where something was.
+    pub measured: Option<Measured>,
 }
 
-fn limit(scene: &Scene, engine: &mut OwnedEngine, work: Option<u32>) -> Result<(), SceneError> {
-    let tuning = Tuning { work, ..*engine.get().tuning() };
-    engine.tune(&scene.tuned(&tuning)?);
-    Ok(())
+/// The budget of a scene under the rule of its session.
+///
+/// # Errors
+/// [`SceneError`] where the scene does not run, or the budget is out of its range.
+pub fn find(rule: WorkBudget, scene: &Scene, rate_hz: u32, clock: &impl Clock) -> Result<Found, SceneError> {
+    let measured = if rule == WorkBudget::Auto { Some(measure(scene, rate_hz, clock)?) } else { None };
+    let work = match rule {
+        WorkBudget::Scene => scene.setup().baked().work,
+        WorkBudget::Auto => measured.map(|measured| measured.work),
+        WorkBudget::Off => None,
+        WorkBudget::Work(work) => Some(work),
+    };
+    Ok(Found { limit: Limit::new(work)?, measured })
 }
 
 /// Runs the motion on an engine of its own.
 fn measure(scene: &Scene, rate_hz: u32, clock: &impl Clock) -> Result<Measured, SceneError> {
     let mut engine = scene.engine()?;
-    limit(scene, &mut engine, Some(MAX_WORK))?;
+    engine.limit(Limit::new(Some(MAX_WORK))?);
     let [w, x, y, z] = engine.get().placed().q_wd;
     let to_device = Quat::from_xyzw(x, y, z, w).conjugate();
     let mut shares = Vec::with_capacity(TICKS);
@@ -151,7 +118,7 @@ fn room(ns_per_unit: f64, rate_hz: u32) -> u32 {
 mod tests {
     use std::cell::Cell;
 
-    use haptor_wire::{BakedScene, ObjectShape, scene_file};
+    use haptor_wire::{BakedScene, ObjectShape};
 
     use super::*;
 
@@ -167,40 +134,33 @@ mod tests {
     }
 
     #[test]
-    fn words_and_ranges() {
-        let cases = [
-            ("auto", Ok(Budget::Auto)),
-            ("off", Ok(Budget::Off)),
-            ("300000", Ok(Budget::Work(300_000))),
-            ("9999", Err(())),
-            ("1e6", Err(())),
-            ("", Err(())),
-        ];
-        for (text, expected) in cases {
-            assert_eq!(text.parse::<Budget>().map_err(|said| assert!(said.contains("10000 to 1000000000"))), expected, "{text}");
-        }
+    fn room_and_quantile() {
         assert_eq!((room(1.0, 1000), room(0.3, 8000), room(f64::INFINITY, 1000)), (600_000, 250_000, MIN_WORK));
         assert_eq!(quantile(&mut (0..1000).rev().map(f64::from).collect::<Vec<_>>()), 990.0);
     }
 
     #[test]
-    fn a_session_takes_over_what_was_measured() {
+    fn every_rule_finds_its_budget() {
         let baked = BakedScene {
             place: haptor_wire::Place { p_wd: [0.0, 0.0, 0.025], q_wd: [1.0, 0.0, 0.0, 0.0] },
+            work: Some(30_000),
             ..BakedScene::ball_on(ObjectShape::HalfSpace)
         };
-        let mut bytes = vec![0; scene_file::FILE_MAX];
-        let length = scene_file::encode_file(&baked, &mut bytes).unwrap();
-        let scene = Scene::read(&bytes[..length]).unwrap();
-        let mut engine = scene.engine().unwrap();
+        let scene = Scene::new(&baked).unwrap();
         let clock = Steady(Cell::new(0));
-        let measured = set(Budget::Auto, &scene, &mut engine, 1000, &clock).unwrap().unwrap();
+        let found = |rule| find(rule, &scene, 1000, &clock);
+        let Found { limit, measured } = found(WorkBudget::Auto).unwrap();
+        let measured = measured.unwrap();
         // 50 us a tick over some 3 to 40 thousand instructions: twelve such ticks fit into 0.6 ms
         assert!((1.0..20.0).contains(&measured.ns_per_unit), "{measured}");
-        assert_eq!(engine.get().tuning().work, Some(measured.work));
-        for (asked, work) in [(Budget::Scene, Some(measured.work)), (Budget::Work(20_000), Some(20_000)), (Budget::Off, None)] {
-            assert_eq!(set(asked, &scene, &mut engine, 1000, &clock).unwrap(), None);
-            assert_eq!(engine.get().tuning().work, work);
+        assert_eq!(limit.work(), Some(measured.work));
+        let rules = [(WorkBudget::Scene, Some(30_000)), (WorkBudget::Work(20_000), Some(20_000)), (WorkBudget::Off, None)];
+        for (rule, work) in rules {
+            assert_eq!(found(rule).unwrap(), Found { limit: Limit::new(work).unwrap(), measured: None }, "{rule}");
         }
+        assert!(found(WorkBudget::Work(1)).is_err_and(|error| error.to_string().contains("model.work is 1")));
+        let mut engine = scene.engine().unwrap();
+        engine.limit(limit);
+        assert_eq!(engine.get().tuning().work, limit.work());
     }
 }

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use haptor_contact::budget::{CALM_TICKS, of_surface};
 use haptor_contact::{
@@ -17,7 +17,7 @@ use proptest::prelude::*;
 use crate::alloc::counted;
 use crate::cli::{built, haptor, root};
 use crate::counts::counting;
-use crate::served::alone;
+use crate::served::{alone, patiently, signal};
 use crate::support::drive::{CUBE, Drive, RUBBER};
 
 #[path = "../counts/cases.rs"]
@@ -369,6 +369,48 @@ fn eval_shows_what_the_budget_left_and_a_recording_of_it_is_verified() {
     assert_eq!((&verified["passed"], &verified["verified"]), (&true.into(), &rows.len().into()));
 }
 
+fn assert_verified(file: &str) {
+    let verified = Command::new(built("haptor")).args(["replay", file, "--verify"]).output().unwrap();
+    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
+}
+
+/// A shell changes the budget of a session that runs; the recording says so and comes out again to the bit.
+#[test]
+fn tell_changes_the_budget_of_a_session_that_runs() {
+    for program in ["haptor-host", "haptor-firmware-sim"] {
+        built(program);
+    }
+    let (_alone, folder) = (alone(), tempfile::tempdir().unwrap());
+    let (scene, file) = (root().join("tests/scenes/cube-twist.toml"), folder.path().join("r.haptor"));
+    let (address, file) = (format!("unix:{}", folder.path().join("v").display()), file.to_str().unwrap());
+    let mut session = Command::new(built("haptor"));
+    session.arg("run").arg(scene).args(["--device", "sim", "--rt", "ignore", "--budget", "40000"]);
+    // until told to stop: longer than any machine takes for what is asked below
+    session.args(["--seconds", "60", "--viewer", &address, "--record", file]);
+    let mut session = session.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let program = built("haptor");
+    let tell = |budget: &str| Command::new(&program).args(["tell", &address, "budget", budget]).output().unwrap();
+    let mut said = tell("20000");
+    // the host is there in a moment, and says what a tick may spend once its device has answered
+    patiently("the host has a session", || {
+        said = tell("20000");
+        said.status.success() && !said.stdout.is_empty()
+    });
+    assert_eq!(String::from_utf8_lossy(&said.stdout).trim(), "a tick may spend 20000 instructions");
+    assert_eq!(String::from_utf8_lossy(&tell("off").stdout).trim(), "the work of a tick has no limit");
+    assert_eq!(tell("9999").status.code(), Some(2));
+    signal(session.id(), "INT");
+    session.wait().unwrap();
+    let (mut bytes, mut works) = (std::fs::read(file).unwrap(), Vec::new());
+    for record in RecordReader::new(&mut bytes) {
+        if let Record::Tuning(tuning) = record.unwrap() {
+            works.push(tuning.work);
+        }
+    }
+    assert!(works.ends_with(&[Some(20_000), None]), "{works:?}");
+    assert_verified(file);
+}
+
 /// The host measures, says what it set, records it, and the recording comes out again to the bit without any clock.
 #[test]
 fn a_host_records_the_budget_it_measured() {
@@ -396,9 +438,8 @@ fn a_host_records_the_budget_it_measured() {
         !set.is_empty() && set == hello && set.iter().all(|work| work.is_some_and(|work| (MIN_WORK..=MAX_WORK).contains(&work))),
         "{set:?}"
     );
-    let verified = run(&["replay", file, "--verify"]);
-    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
-    for (budget, part) in [("fast", "auto, off"), ("9999", "10000 to 1000000000")] {
+    assert_verified(file);
+    for (budget, part) in [("fast", "scene, auto, off"), ("9999", "10000 to 1000000000")] {
         let refused = run(&["run", scene, "--device", "sim", "--budget", budget]);
         assert_eq!(refused.status.code(), Some(2), "{budget}");
         assert!(String::from_utf8_lossy(&refused.stderr).contains(part), "{budget}");

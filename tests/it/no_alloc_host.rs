@@ -1,7 +1,7 @@
 //! After start-up the real-time thread calls no allocator: not while it runs well, not while it loses its link, and not while it
 //! recovers.
 
-use haptor_engine::Scene;
+use haptor_engine::{Limit, Scene};
 use haptor_host::rt::desk::{Activation, Note, Numbered, Order};
 use haptor_host::rt::flags;
 use haptor_wire::{Denial, Tuning};
@@ -59,6 +59,7 @@ fn no_order_of_a_viewer_allocates_and_no_look() {
         Order::Tare,
         Order::Activate(Activation { engine, scene: 1, digest: 7 }),
         Order::Tune { scene: 0, tuned },
+        Order::Limit(Limit::new(Some(20_000)).expect("a good budget")),
     ];
     let (mut done, mut retired) = (Vec::new(), 0);
     for (number, order) in (0..).zip(orders) {
@@ -78,7 +79,8 @@ fn no_order_of_a_viewer_allocates_and_no_look() {
             counter.spare.push(look).expect("room");
         }
     }
-    assert_eq!(done.len(), 7);
+    assert_eq!(done.len(), 8);
     assert_eq!((done[0], done[1], done[2], done[5], done[6]), (Ok(()), Ok(()), Ok(()), Ok(()), Err(Denial::Busy)), "{done:?}");
+    assert_eq!(done[7], Ok(()), "whatever runs");
     assert_eq!((retired, rig.summary().fault), (1, None));
 }

@@ -13,7 +13,7 @@ use haptor_wire::viewer::NO_TOKEN;
 use haptor_wire::{
     BakedScene, Denial, DeviceHello, FromViewer, Mode, ObjectShape, OutputState, PROTOCOL_VERSION, Record, RecordReader, Refusal,
     RefusalCause, RestBegin, RestPoints, SCHEMA_HASH, Snapshot, Statistics, TickRecord, Tier, ToViewer, Tuning, UploadBegin,
-    UploadChunk, VIEWER_SCHEMA_HASH, ViewerHello, What, Wish, encode_stream, scene_file,
+    UploadChunk, VIEWER_SCHEMA_HASH, ViewerHello, What, Wish, WorkBudget, encode_stream, scene_file,
 };
 
 use crate::alloc::counted;
@@ -24,6 +24,13 @@ use crate::viewer_rig::Served;
 fn snapshot(message: &ToViewer) -> Option<Snapshot> {
     match message {
         ToViewer::Snapshot(snapshot) => Some(snapshot.clone()),
+        _ => None,
+    }
+}
+
+fn statistics(message: &ToViewer) -> Option<Statistics> {
+    match message {
+        ToViewer::Statistics(statistics) => Some(*statistics),
         _ => None,
     }
 }
@@ -167,7 +174,12 @@ fn the_surface_under_the_probe_goes_down_with_it_and_the_base_stands() {
     viewer
         .wait_for("all points", |m| matches!(m, ToViewer::Rest(state) if state.have == 600 && state.why.is_none()).then_some(()));
     served.press();
-    viewer.subscribe(5, 1, 0);
+    // who looks without a surface costs none
+    viewer.subscribe(5, 0, 1);
+    let counted = |statistics: &Statistics| [statistics.surfaces, statistics.passes, statistics.points, statistics.behind];
+    let seen = |message: &ToViewer| statistics(message).filter(|told| told.sent > 20);
+    assert_eq!(counted(&served.tick_until(&mut viewer, "statistics", seen)), [0; 4]);
+    viewer.subscribe(5, 1, 1);
     let blocks: Vec<_> = [0, 256, 512]
         .map(|offset| {
             served.tick_until(&mut viewer, "a block", |message| match message {
@@ -177,6 +189,8 @@ fn the_surface_under_the_probe_goes_down_with_it_and_the_base_stands() {
         })
         .into();
     assert!(blocks.iter().all(|block| (block.tick, block.of) == (blocks[0].tick, 600)));
+    let told = served.tick_until(&mut viewer, "statistics", |m| statistics(m).filter(|told| told.surfaces > 0));
+    assert_eq!((told.passes, told.points), (told.surfaces, 600 * told.surfaces), "{told:?}");
     let moved: Vec<[f32; 3]> = blocks.iter().flat_map(|block| block.displacements().collect::<Vec<_>>()).collect();
     let rig = served.end();
     let tick = rig.ticks.iter().find(|tick| tick.tick == blocks[0].tick).unwrap();
@@ -420,6 +434,88 @@ fn the_running_scene_can_be_downloaded_and_a_recording_taken_along() {
     assert!(replay(&records, &[ball_on_cube()]) > 500, "from its first rest on it is computed again");
 }
 
+/// What a tick may spend, as viewers are told it: picks the message that says `work`.
+fn may_spend(work: Option<u32>) -> impl FnMut(&ToViewer) -> Option<()> {
+    move |message| matches!(message, ToViewer::Device(hello) if hello.work == work).then_some(())
+}
+
+/// Less than bristles cost, more than tier `point` does.
+const LITTLE: u32 = 13_000;
+
+/// Asks for a work budget and ticks until it is told, done, and has made a tick.
+fn limit(served: &mut Served, viewer: &mut TestViewer, budget: WorkBudget, holds: Option<u32>) {
+    let number = viewer.ask(Wish::Budget(budget));
+    served.tick_until(viewer, "what a tick may spend", may_spend(holds));
+    served.tick_until(viewer, "an answer", |m| (*m == ToViewer::Done(number)).then_some(()));
+    served.rig.tick();
+}
+
+/// The tier of the last tick, and whether it is less than was asked for.
+fn tier(served: &Served) -> (Tier, bool) {
+    let last = served.rig.last();
+    (last.tier, last.flags & haptor_contact::Flags::TIER_LOWERED.0 != 0)
+}
+
+/// The budgets that the recording says were set, one after the other.
+fn budgets(rig: &Rig) -> Vec<Option<u32>> {
+    let told = |record: &Record<'_>| if let Record::Tuning(tuning) = record { Some(tuning.work) } else { None };
+    let mut works: Vec<_> = rig.records.iter().filter_map(told).collect();
+    works.dedup();
+    works
+}
+
+#[test]
+fn a_work_budget_holds_from_the_next_tick_on() {
+    let mut served = Served::new("press-twist-slide");
+    let mut viewer = served.viewer();
+    served.press();
+    assert_eq!(tier(&served), (Tier::Bristle, false));
+    limit(&mut served, &mut viewer, WorkBudget::Work(LITTLE), Some(LITTLE));
+    assert_eq!(tier(&served), (Tier::Point, true));
+    limit(&mut served, &mut viewer, WorkBudget::Off, None);
+    assert_eq!(tier(&served), (Tier::Bristle, false), "no limit is the highest rung at once");
+    let number = viewer.ask(Wish::Budget(WorkBudget::Work(1)));
+    let words = served.tick_until(&mut viewer, "a denial", |message| match message {
+        ToViewer::Denied(denied) if denied.number == number => Some(denied.to_string()),
+        _ => None,
+    });
+    assert!(words.contains("model.work is 1") && words.contains("1e4 to 1e9"), "{words}");
+    viewer.ask(Wish::Budget(WorkBudget::Auto));
+    let measured = |message: &ToViewer| if let ToViewer::Device(hello) = message { hello.work } else { None };
+    let work = served.tick_until(&mut viewer, "a measured budget", measured);
+    assert!((haptor_contact::MIN_WORK..=haptor_contact::MAX_WORK).contains(&work), "{work}");
+    (0..1_000).for_each(|_| served.rig.tick());
+    let rig = served.end();
+    assert_eq!(budgets(&rig), [None, Some(LITTLE), None, Some(work)], "every change is recorded");
+    assert_replays(&rig, &[ball_on_cube()]);
+}
+
+#[test]
+fn a_work_budget_holds_for_the_scenes_that_viewers_bring_too() {
+    let mut served = Served::new("press-twist-slide");
+    let mut viewer = served.viewer();
+    served.press();
+    limit(&mut served, &mut viewer, WorkBudget::Work(LITTLE), Some(LITTLE));
+    let scene = BakedScene { work: Some(1_000_000), ..hard_cube() };
+    let whole = file(&scene);
+    let digest = scene_file::digest(&whole);
+    viewer.upload(&whole, digest, whole.len());
+    assert_eq!(served.ask(&mut viewer, Wish::Activate(digest)), Ok(()));
+    let touches = |t: &TickRecord| t.regions > 0 && t.flags & (flags::CLOSED | flags::NO_POSE) == 0;
+    assert!(served.rig.until(20_000, |rig| rig.ticks.last().is_some_and(touches)), "the hand presses again");
+    assert_eq!(tier(&served), (Tier::Point, true), "whatever the scene says");
+    // a tuning's own budget is that of the scene which it tunes
+    assert_eq!(served.ask(&mut viewer, Wish::Tune(Tuning { work: None, ..Tuning::of(&scene) })), Ok(()));
+    served.rig.tick();
+    assert_eq!(tier(&served), (Tier::Bristle, false));
+    // and the scene's word is the rule again
+    limit(&mut served, &mut viewer, WorkBudget::Scene, Some(1_000_000));
+    (0..100).for_each(|_| served.rig.tick());
+    let rig = served.end();
+    assert_eq!(budgets(&rig), [None, Some(LITTLE), None, Some(1_000_000)], "every change is recorded");
+    assert_replays(&rig, &[ball_on_cube(), scene]);
+}
+
 /// Bytes of a recording follow each other.
 fn take_bytes(message: &ToViewer, bytes: &mut Vec<u8>) {
     if let ToViewer::RecordBytes(piece) = message {
@@ -434,10 +530,6 @@ fn statistics_count_what_the_session_counts_and_the_end_is_told() {
     let mut viewer = served.viewer();
     served.press();
     viewer.subscribe(1, 0, 1);
-    let statistics = |message: &ToViewer| match message {
-        ToViewer::Statistics(statistics) => Some(*statistics),
-        _ => None,
-    };
     let told = served.tick_until(&mut viewer, "statistics of the press", |m| statistics(m).filter(|s| s.session.ticks > 300));
     assert_eq!((told.viewers, told.rejected, told.session.late, told.session.fault), (1, 0, 0, None));
     assert!(told.session.step_ns.max > 0 || told.session.wake_ns.max == 0);

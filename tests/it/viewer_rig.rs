@@ -17,7 +17,7 @@ use haptor_host::viewer::listen::{Listener, ViewerAddress};
 use haptor_host::viewer::server::{Parts, Server};
 use haptor_host::viewer::token::Token;
 use haptor_host::viewer::workshop::Workshop;
-use haptor_wire::{Denial, Summary, ToViewer, Wish};
+use haptor_wire::{Denial, Summary, ToViewer, Wish, WorkBudget};
 use rtrb::RingBuffer;
 
 use crate::host_rig::{RATE_HZ, Rig, ball_on_cube};
@@ -66,7 +66,7 @@ impl Served {
         rig.copies = Some(copies);
         let sources = Sources { records, dumps: black_box(RATE_HZ).1, rest_wanted: rig.rest_wanted() };
         let ((jobs, to_do), (send_made, made)) = (mpsc::channel(), mpsc::channel());
-        let workshop = Workshop::new(Scene::new(&ball_on_cube()).expect("a good scene"), send_made);
+        let workshop = Workshop::new(Scene::new(&ball_on_cube()).expect("a good scene"), WorkBudget::Scene, RATE_HZ, send_made);
         let server = Server::new(Parts {
             listener,
             token,

@@ -14,6 +14,7 @@ use crate::frames::{DeviceBase, Handle};
 use crate::settings::{coupling_spec, guard_spec, lower_limits, tier_to_wire};
 use crate::setup::Setup;
 use crate::tuned::{Placed, Tuned};
+use crate::work::Limit;
 
 /// Patches that the core keeps in memory: as many as a probe may have parts.
 const PATCHES: usize = contact::MAX_PARTS;
@@ -165,10 +166,25 @@ impl<'a> Engine<'a> {
         }
     }
 
+    /// Takes over a work budget from the next tick on; everything else stays as it was tuned.
+    pub fn limit(&mut self, limit: Limit) {
+        let spec = ParamsSpec { work: limit.0, ..self.spec };
+        // what is there has been checked, and so has the budget
+        if let Ok(params) = Params::new(&spec) {
+            (self.params, self.spec, self.tuning.work) = (params, spec, limit.0);
+        }
+    }
+
     /// What holds, as it was asked for.
     #[must_use]
     pub const fn tuning(&self) -> &Tuning {
         &self.tuning
+    }
+
+    /// Whether a virtual coupling ties the probe to the handle.
+    #[must_use]
+    pub const fn is_coupled(&self) -> bool {
+        matches!(self.coupling, wire::Coupling::Virtual(_))
     }
 
     /// Has the device stand elsewhere from the next tick on. The core takes the handle for one that moved: put it at [rest](Self::rest) too.

@@ -16,6 +16,7 @@
 //! | `scene` | a scene with the meshes and tables that its file carries, and engines that own one (feature `std`) |
 //! | [`engine`] | the running core: fitted to a device, stepped once a tick |
 //! | [`tuned`] | what changes an engine between two ticks |
+//! | [`work`] | the work budget, which may change between them too |
 //! | `look` | what can be seen of an engine, and the surface that follows |
 //! | [`replay`] | recordings computed again |
 //! | [`link`] | poses and wrenches of the device link |
@@ -36,6 +37,7 @@ pub mod replay;
 pub mod settings;
 pub mod setup;
 pub mod tuned;
+pub mod work;
 
 #[cfg(feature = "std")]
 mod data;
@@ -58,3 +60,4 @@ pub use link::{command, handle_pose};
 pub use scene::{OwnedEngine, Scene};
 pub use setup::Setup;
 pub use tuned::{Placed, Tuned};
+pub use work::Limit;

@@ -13,6 +13,7 @@ use crate::error::SceneError;
 use crate::frames::{DeviceBase, Handle};
 use crate::setup::Setup;
 use crate::tuned::{Placed, Tuned};
+use crate::work::Limit;
 
 /// A checked scene with all its data. Clones share the data.
 #[derive(Clone, Debug)]
@@ -127,6 +128,11 @@ impl OwnedEngine {
     /// See [`Engine::tune`].
     pub fn tune(&mut self, tuned: &Tuned) {
         self.0.with_dependent_mut(|_, engine| engine.tune(tuned));
+    }
+
+    /// See [`Engine::limit`].
+    pub fn limit(&mut self, limit: Limit) {
+        self.0.with_dependent_mut(|_, engine| engine.limit(limit));
     }
 
     /// See [`Engine::place`].

@@ -51,7 +51,7 @@
 //! | [`SceneBytes`] | host → viewer | its file, when asked for | 4119 |
 //! | [`Snapshot`] | host → viewer | every so many ticks | 1106 |
 //! | [`SurfaceBlock`] | host → viewer | with every so many snapshots | 2331 |
-//! | [`Statistics`] | host → viewer | every so many milliseconds | 196 |
+//! | [`Statistics`] | host → viewer | every so many milliseconds | 236 |
 //! | [`RecordBytes`] | host → viewer | a recording, while asked for | 4109 |
 //!
 //! "Bytes" counts the postcard encoding with the one byte that names the message, without checksum and framing: a stream adds
@@ -125,5 +125,5 @@ pub use viewer::{
     FromViewer, Limits, RecordBytes, Refusal, RefusalCause, RestBegin, RestPoints, RestState, SceneBytes, SceneNow, Subscription,
     ToViewer, UploadBegin, UploadChunk, UploadState, ViewerHello, Welcome,
 };
-pub use viewer_ask::{Ask, Denial, Denied, Wish};
+pub use viewer_ask::{Ask, Denial, Denied, Wish, WorkBudget};
 pub use viewer_look::{OutputState, PatchLook, Snapshot, Statistics, SurfaceBlock};

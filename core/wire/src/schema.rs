@@ -92,7 +92,8 @@ RestBegin{count:u32}\n\
 RestPoints{offset:u32,points:[[f32;3]]}\n\
 RestState{have:u32,of:u32,why:?Denial}\n\
 Ask{number:u32,what:Wish}\n\
-Wish=Activate(u64)|Tune(Tuning)|Freeze(bool)|Tare|EStop|Rearm|Record(bool)|Download\n\
+Wish=Activate(u64)|Tune(Tuning)|Freeze(bool)|Tare|EStop|Rearm|Record(bool)|Download|Budget(WorkBudget)\n\
+WorkBudget=Scene|Auto|Off|Work(u32)\n\
 Denied{number:u32,why:Denial,words:[u8]}\n\
 Denial=NoModel|Digest|Scene|Value|InContact|NoSession|Stopped|NotStopped|Frozen|Busy|TooLarge|NoRoom|OutOfOrder|Recording|NotRecording\n\
 SceneNow{digest:u64,length:u32}\n\
@@ -102,7 +103,7 @@ Snapshot{tick:u64,t_us:u64,position:[f32;3],rotation:[f32;4],contact_force:[f32;
 PatchLook{region:u8,centre:[f32;3],normal:[f32;3],radius:f32,stick_radius:f32,force:[f32;3],torque:[f32;3],depth:f32}\n\
 OutputState=Closed|Open|Frozen|Stopped\n\
 SurfaceBlock{tick:u64,of:u32,offset:u32,step:f32,moved:[[i16;3]]}\n\
-Statistics{session:Summary,viewers:u8,sent:u64,dropped:u64,missed:u64,rejected:u32}\n\
+Statistics{session:Summary,viewers:u8,sent:u64,dropped:u64,surfaces:u64,passes:u64,points:u64,behind:u64,missed:u64,rejected:u32}\n\
 at most: 4096 bytes, 256 points, 160 words, 16 patches\n\
 ";
 

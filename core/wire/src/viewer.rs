@@ -104,7 +104,7 @@ pub enum ToViewer {
     Refused(Refusal),
     /// The hello is good.
     Welcome(Welcome),
-    /// The device of the session; when it has answered.
+    /// The device of the session and what a tick may spend: when the device has answered, and whenever the work budget is another.
     Device(SessionHello),
     /// The scene that runs: after the welcome, and whenever another takes its place.
     Scene(SceneNow),

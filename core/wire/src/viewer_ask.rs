@@ -41,11 +41,42 @@ pub enum Wish {
     Record(bool),
     /// Send the file of the scene that runs.
     Download,
+    /// From the next tick on the work of a tick is limited so, in the scene that runs and in every one after it.
+    Budget(WorkBudget),
 }
 
 impl Wish {
     /// Postcard bytes at most.
     pub const MAX_ENCODED: usize = ENUM + Tuning::MAX_ENCODED;
+}
+
+/// What says how much work a tick may spend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum WorkBudget {
+    /// The scene.
+    Scene,
+    /// The machine: what it does within a share of the period, measured for each scene.
+    Auto,
+    /// Nobody: there is no limit.
+    Off,
+    /// Whoever asks: so many instructions of the core's x86-64 release build.
+    Work(u32),
+}
+
+impl WorkBudget {
+    /// Postcard bytes at most.
+    pub const MAX_ENCODED: usize = ENUM + U32;
+}
+
+impl fmt::Display for WorkBudget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene => f.write_str("scene"),
+            Self::Auto => f.write_str("auto"),
+            Self::Off => f.write_str("off"),
+            Self::Work(work) => write!(f, "{work}"),
+        }
+    }
 }
 
 /// A request that was not carried out.

@@ -175,6 +175,14 @@ pub struct Statistics {
     pub sent: u64,
     /// Snapshots and surfaces left out because this viewer read too slowly.
     pub dropped: u64,
+    /// Surfaces computed for this viewer; none while it asks for none.
+    pub surfaces: u64,
+    /// Passes that they took, each of bounded work.
+    pub passes: u64,
+    /// Points in them.
+    pub points: u64,
+    /// Surfaces left out because the one before was still being computed.
+    pub behind: u64,
     /// Snapshots left out for all because the server was too slow.
     pub missed: u64,
     /// Frames of this viewer that were no messages.
@@ -183,7 +191,7 @@ pub struct Statistics {
 
 impl Statistics {
     /// Postcard bytes at most, without the byte that names the message.
-    pub const MAX_ENCODED: usize = Summary::MAX_ENCODED + 1 + 3 * U64 + U32;
+    pub const MAX_ENCODED: usize = Summary::MAX_ENCODED + 1 + 7 * U64 + U32;
 }
 
 /// Postcard bytes of the length of a list of less than 128.

@@ -34,8 +34,18 @@ const PATCH: PatchLook = PatchLook {
     torque: [f32::MIN; 3],
     depth: f32::MIN,
 };
-const STATISTICS: Statistics =
-    Statistics { session: SUMMARY, viewers: u8::MAX, sent: u64::MAX, dropped: u64::MAX, missed: u64::MAX, rejected: u32::MAX };
+const STATISTICS: Statistics = Statistics {
+    session: SUMMARY,
+    viewers: u8::MAX,
+    sent: u64::MAX,
+    dropped: u64::MAX,
+    surfaces: u64::MAX,
+    passes: u64::MAX,
+    points: u64::MAX,
+    behind: u64::MAX,
+    missed: u64::MAX,
+    rejected: u32::MAX,
+};
 
 fn full<T: Clone, const N: usize>(value: T) -> List<T, N> {
     core::iter::repeat_n(value, N).collect()
@@ -136,6 +146,7 @@ fn the_largest_value_of_each_type_fills_its_bound() {
     for ((name, bound), largest) in SIZES.into_iter().zip(largest) {
         assert_eq!(1 + largest, bound, "{name}");
     }
+    assert_eq!(encoded(&WorkBudget::Work(u32::MAX)), WorkBudget::MAX_ENCODED);
     for message in from_viewer() {
         assert!(encoded(&message) <= FromViewer::MAX_ENCODED);
     }
@@ -179,7 +190,7 @@ fn to_viewer() -> Vec<ToViewer> {
     ]
 }
 
-const WISHES: [Wish; 8] = [
+const WISHES: [Wish; 9] = [
     Wish::Activate(1),
     Wish::Tune(TUNING),
     Wish::Freeze(true),
@@ -188,7 +199,10 @@ const WISHES: [Wish; 8] = [
     Wish::Rearm,
     Wish::Record(true),
     Wish::Download,
+    Wish::Budget(WorkBudget::Auto),
 ];
+
+const BUDGETS: [WorkBudget; 4] = [WorkBudget::Scene, WorkBudget::Auto, WorkBudget::Off, WorkBudget::Work(u32::MAX)];
 
 fn viewer_table() -> std::string::String {
     [
@@ -208,6 +222,7 @@ fn viewer_table() -> std::string::String {
         structure(&REST),
         structure(&ASK),
         cases("Wish", &WISHES),
+        cases("WorkBudget", &BUDGETS),
         structure(&denied()),
         cases("Denial", &Denial::ALL),
         structure(&SCENE),

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use haptor_contact::{MAX_PARTS, Params, Patch, Pose, ProbeFrame, World, Wrench};
-use haptor_engine::{OwnedEngine, Tuned};
+use haptor_engine::{Limit, OwnedEngine, Tuned};
 use haptor_wire::{Deformation, Denial, Event, FaultRecord, HostFault, Mode, OutputState, SessionHello, TickRecord};
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -42,6 +42,8 @@ pub enum Order {
         /// The tuning.
         tuned: Tuned,
     },
+    /// Take over a work budget.
+    Limit(Limit),
     /// Let the core stand (true) or go on.
     Freeze(bool),
     /// Place the device so that the probe stands where the scene starts it.
@@ -84,7 +86,7 @@ pub enum Note {
     },
     /// The emergency stop holds, whether it did before or not.
     Stopped,
-    /// The session has begun.
+    /// The session has begun, or has another work budget.
     Device(SessionHello),
     /// Something was done.
     Event(Event),
@@ -107,6 +109,8 @@ pub struct Look {
     pub params: Option<Params>,
     /// How much of the surface's deformation the tuning shows.
     pub deformation: Option<Deformation>,
+    /// What a tick may spend \[instructions\].
+    pub work: Option<u32>,
     /// Number of the scene: 0 is the first, and each activation has its own.
     pub scene: u32,
     /// Share of ticks in time so far \[1/1000\].

@@ -67,6 +67,8 @@ impl<C: Clock> Control<C> {
     fn receive(&mut self, next: Numbered, slot: &Slot) {
         let touching = self.memory.regions() > 0;
         let refused = match &next.order {
+            // whatever runs, and before anything does
+            Order::Limit(_) => None,
             _ if !self.has_session() => Some(Denial::NoSession),
             Order::Tare if self.pause.frozen => Some(Denial::Frozen),
             Order::Tare if touching => Some(Denial::InContact),
@@ -99,7 +101,11 @@ impl<C: Clock> Control<C> {
             Order::Activate(activation) => return self.activate(activation),
             Order::Tune { tuned, .. } => {
                 self.engine.tune(&tuned);
-                self.account.keep(Record::Tuning(*tuned.tuning()));
+                self.tuned();
+            }
+            Order::Limit(limit) => {
+                self.engine.limit(limit);
+                self.tuned();
             }
             Order::Freeze(true) => {
                 self.pause.frozen = true;
@@ -113,6 +119,18 @@ impl<C: Clock> Control<C> {
             }
         }
         (Ok(()), None)
+    }
+
+    /// Records what holds now, and says what a tick may spend. Before the session begins nobody computes anything again, and its begin says it all.
+    fn tuned(&mut self) {
+        if !self.has_session() {
+            return;
+        }
+        self.account.keep(Record::Tuning(*self.engine.get().tuning()));
+        // a device that is gone is asked anew when it is back
+        if let Some(device) = self.handshake.device() {
+            self.desk.tell(Note::Device(self.hello(&device)));
+        }
     }
 
     /// The core goes on as if it began: what the hand did meanwhile it has not seen.
@@ -141,6 +159,7 @@ impl<C: Clock> Control<C> {
             scene_bytes: 0,
         }));
         self.rest();
+        self.desk.tell(Note::Device(self.hello(&device)));
         (Ok(()), Some(old))
     }
 
@@ -177,6 +196,7 @@ impl<C: Clock> Control<C> {
         let _ = look.patches.extend_from_slice(engine.patches());
         look.params = Some(*engine.params());
         look.deformation = Some(engine.tuning().deformation);
+        look.work = engine.tuning().work;
         look.scene = self.pause.scene;
         look.in_time_permille = (self.account.budget().share() * 1000.0) as u16;
         look.mode = self.handshake.mode();

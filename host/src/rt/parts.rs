@@ -166,7 +166,8 @@ impl<C: Clock> Control<C> {
         self.desk.tell(Note::Device(hello));
     }
 
-    fn hello(&self, device: &DeviceHello) -> SessionHello {
+    /// The session as others get to know it.
+    pub(super) fn hello(&self, device: &DeviceHello) -> SessionHello {
         SessionHello {
             version: PROTOCOL_VERSION,
             schema: TOOL_SCHEMA_HASH,

@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use haptor_contact::{Patch, Pose, Wrench, patch_report};
 use haptor_engine::OwnedEngine;
-use haptor_wire::{Deformation, Denial, PatchLook, SceneNow, Snapshot, Statistics, Summary, ToViewer};
+use haptor_wire::{Deformation, Denial, PatchLook, SceneNow, Snapshot, Summary, ToViewer};
 
 use super::peer::Peer;
 use super::server::Server;
-use super::workshop::{Job, Made, SurfaceJob};
+use super::surfaces::{Done, SurfaceJob};
+use super::workshop::{Job, Made};
 use crate::rt::desk::{Activation, Look, Note, Order, is_due};
 
 impl Server {
@@ -62,7 +63,9 @@ impl Server {
                 Made::Built { number, result: Err(why), .. } => self.not_made(number, why),
                 Made::Checked { number, scene, result: Ok(tuned) } => self.give(number, Order::Tune { scene, tuned: *tuned }),
                 Made::Checked { number, result: Err(why), .. } => self.not_made(number, why),
-                Made::Surface { viewer, frames } => self.pass_surface(viewer, &frames),
+                Made::Limited { number, result: Ok(limit) } => self.give(number, Order::Limit(limit)),
+                Made::Limited { number, result: Err(why) } => self.not_made(number, why),
+                Made::Surface(done) => self.pass_surface(&done),
             }
         }
     }
@@ -75,11 +78,16 @@ impl Server {
         self.conclude(&waiting, Err(why));
     }
 
-    fn pass_surface(&mut self, viewer: u64, frames: &[u8]) {
-        if let Some(peer) = self.peers.iter_mut().find(|peer| peer.serial == viewer) {
-            peer.surface_under_way = false;
-            peer.dropped += u64::from(!peer.outbox.offer(frames));
-        }
+    fn pass_surface(&mut self, done: &Done) {
+        let mine = |peer: &Peer| peer.serial == done.viewer && peer.surface_under_way == Some(done.tick);
+        // one that was given up meanwhile is nobody's
+        let Some(peer) = self.peers.iter_mut().find(|peer| mine(peer)) else { return };
+        peer.surface_under_way = None;
+        let watched = &mut peer.watched;
+        watched.surfaces += 1;
+        watched.passes += u64::from(done.passes);
+        watched.points += done.points as u64;
+        peer.dropped += u64::from(!peer.outbox.offer(&done.frames));
     }
 
     /// Ticks that somebody wants to see.
@@ -111,8 +119,8 @@ impl Server {
         let missed = self.counter.wanted.missed();
         for peer in self.peers.iter_mut().filter(|peer| due(peer)) {
             peer.statistics_due = now + Duration::from_millis(peer.subscription.statistics_ms.into());
-            let (sent, dropped, rejected) = (peer.sent, peer.dropped, peer.rejected());
-            peer.outbox.offer_message(&ToViewer::Statistics(Statistics { session, viewers, sent, dropped, missed, rejected }));
+            let statistics = peer.statistics(session, viewers, missed);
+            peer.outbox.offer_message(&ToViewer::Statistics(statistics));
         }
     }
 
@@ -145,11 +153,15 @@ fn show(peer: &mut Peer, look: &Look, snapshot: &ToViewer) -> Option<SurfaceJob>
     peer.sent += 1;
     let wanted = peer.subscription.surface > 0 && (peer.sent - 1).is_multiple_of(peer.subscription.surface.into());
     let job = wanted.then(|| surface_job(peer, look)).flatten()?;
-    if peer.surface_under_way || !peer.outbox.has_room() {
+    if peer.surface_under_way.is_some() {
+        peer.watched.behind += 1;
+        return None;
+    }
+    if !peer.outbox.has_room() {
         peer.dropped += 1;
         return None;
     }
-    peer.surface_under_way = true;
+    peer.surface_under_way = Some(tick);
     Some(job)
 }
 
@@ -161,6 +173,7 @@ fn surface_job(peer: &Peer, look: &Look) -> Option<SurfaceJob> {
         scene: look.scene,
         patches: look.patches.clone(),
         params: look.params?,
+        work: look.work,
         p_wp: look.x_wp?.position,
         body: deformation == Deformation::Full,
         rest: peer.rest()?,

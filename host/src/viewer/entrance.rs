@@ -5,7 +5,7 @@ use std::sync::mpsc::{self, Receiver};
 use std::thread::{Scope, ScopedJoinHandle};
 
 use haptor_engine::Scene;
-use haptor_wire::Summary;
+use haptor_wire::{Summary, WorkBudget};
 
 use super::figures::SharedFigures;
 use super::listen::{Listener, ViewerAddress};
@@ -32,6 +32,8 @@ pub struct Entrance {
 pub struct Session {
     /// The scene that runs first.
     pub scene: Scene,
+    /// What says how much a tick of it, and of those after it, may spend.
+    pub budget: WorkBudget,
     /// Its file.
     pub origin: Origin,
     /// Of the recorder.
@@ -67,12 +69,13 @@ impl Entrance {
         session: Session,
     ) -> Result<ScopedJoinHandle<'scope, ()>, HostError> {
         let ((jobs, to_do), (send_made, made)) = (mpsc::channel(), mpsc::channel());
-        let workshop = Workshop::new(session.scene, send_made);
+        let rate_hz = session.origin.header.rate_hz;
+        let workshop = Workshop::new(session.scene, session.budget, rate_hz, send_made);
         start(scope, "viewer-work", move || workshop.run(&to_do))?;
         let server = Server::new(Parts {
             listener: self.listener,
             token: self.token,
-            rate_hz: session.origin.header.rate_hz,
+            rate_hz,
             digest: session.origin.header.scene_digest,
             file: session.origin.scene().clone(),
             counter: self.counter,

@@ -5,7 +5,7 @@
 //!  viewer ─┼─ sockets ─ viewers' thread ◄─ notes, looks ──────────────┘
 //!  viewer ─┘              │  ▲  │
 //!                    jobs ▼  │  └─ taps of the recorder
-//!                      workshop: scenes built, tunings checked, surfaces computed, old engines dropped
+//!                      workshop: scenes built, tunings checked, budgets measured, surfaces computed, old engines dropped
 //! ```
 //! Two ordinary threads. The viewers' thread does nothing that takes long, so that an emergency stop of one viewer never waits for
 //! what another asked; what takes long is the workshop's. The real-time thread sees neither: it looks at flags and queues whose
@@ -27,6 +27,7 @@
 //! | [`uploads`] | models that viewers sent |
 //! | [`streams`] | files on their way to a viewer: a recording, the scene |
 //! | [`workshop`] | the other thread |
+//! | [`surfaces`] | what it computes for who watches a surface, in passes |
 //! | [`figures`] | the session in figures while it runs |
 
 pub mod answers;
@@ -38,6 +39,7 @@ pub mod peer;
 pub mod requests;
 pub mod server;
 pub mod streams;
+pub mod surfaces;
 pub mod token;
 pub mod uploads;
 pub mod workshop;

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use haptor_contact::Vec3;
 use haptor_wire::{
-    Denial, FromViewer, Refusal, RefusalCause, RestPoints, RestState, StreamDecoder, Subscription, ToViewer, stream_bound,
+    Denial, FromViewer, Refusal, RefusalCause, RestPoints, RestState, Statistics, StreamDecoder, Subscription, Summary, ToViewer,
+    stream_bound,
 };
 
 use super::listen::Socket;
@@ -67,12 +68,14 @@ pub struct Peer {
     pub last_tick: Option<u64>,
     /// When it gets statistics next.
     pub statistics_due: Instant,
-    /// A surface for it is being computed.
-    pub surface_under_way: bool,
+    /// The tick whose surface is being computed for it.
+    pub surface_under_way: Option<u64>,
     /// Snapshots sent.
     pub sent: u64,
     /// Snapshots and surfaces left out because it reads too slowly.
     pub dropped: u64,
+    /// What was computed of the surface that it watches.
+    pub watched: Watched,
     /// The recording it gets.
     pub recording: Option<Recording>,
     /// The scene it gets.
@@ -89,6 +92,19 @@ pub struct Peer {
     allowance: f64,
     refilled: Instant,
     said_all: bool,
+}
+
+/// Surfaces of a viewer, in counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watched {
+    /// Computed.
+    pub surfaces: u64,
+    /// Passes that they took.
+    pub passes: u64,
+    /// Points in them.
+    pub points: u64,
+    /// Left out because the one before was still being computed.
+    pub behind: u64,
 }
 
 /// The points it wants to see the displacements of.
@@ -110,9 +126,10 @@ impl Peer {
             subscription: Subscription::default(),
             last_tick: None,
             statistics_due: now,
-            surface_under_way: false,
+            surface_under_way: None,
             sent: 0,
             dropped: 0,
+            watched: Watched::default(),
             recording: None,
             download: None,
             rest: Rest::default(),
@@ -135,6 +152,14 @@ impl Peer {
             Stage::In(place) => Some(place),
             _ => None,
         }
+    }
+
+    /// The session so far, and what the link cost this viewer, one of so many; `missed` = looks left out for all.
+    #[must_use]
+    pub fn statistics(&self, session: Summary, viewers: u8, missed: u64) -> Statistics {
+        let Watched { surfaces, passes, points, behind } = self.watched;
+        let (sent, dropped, rejected) = (self.sent, self.dropped, self.rejected());
+        Statistics { session, viewers, sent, dropped, surfaces, passes, points, behind, missed, rejected }
     }
 
     /// Frames that were no messages.

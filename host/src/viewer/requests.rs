@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use haptor_wire::viewer::words;
-use haptor_wire::{Ask, Denial, Denied, ToViewer, Tuning, Wish};
+use haptor_wire::{Ask, Denial, Denied, ToViewer, Tuning, Wish, WorkBudget};
 
 use super::server::Server;
 use super::streams::{Download, Recording, TAP_ROOM};
@@ -68,6 +68,11 @@ impl Requests {
         self.waiting.iter().find(|waiting| waiting.number == number)?.scene.as_ref()
     }
 
+    /// Whether another scene is on its way.
+    fn is_scene_coming(&self) -> bool {
+        self.waiting.iter().any(|waiting| waiting.scene.is_some())
+    }
+
     /// Everybody who hit the emergency stop.
     pub fn take_stops(&mut self) -> Vec<(u64, u32)> {
         std::mem::take(&mut self.stops)
@@ -92,6 +97,7 @@ impl Server {
             Wish::Freeze(on) => self.order(viewer, number, Order::Freeze(on)),
             Wish::Tare => self.order(viewer, number, Order::Tare),
             Wish::Rearm => self.order(viewer, number, Order::Rearm),
+            Wish::Budget(rule) => self.limit(viewer, number, rule),
         };
         match done {
             Ok(Sent::Done) => self.peers[at].outbox.put(&ToViewer::Done(number)),
@@ -114,7 +120,7 @@ impl Server {
 
     fn activate(&mut self, viewer: u64, request: u32, digest: u64, now: Instant) -> Result<Sent, Denial> {
         let file = self.uploads.whole(digest, now).ok_or(Denial::NoModel)?;
-        if self.requests.waiting.iter().any(|waiting| waiting.scene.is_some()) {
+        if self.requests.is_scene_coming() {
             return Err(Denial::Busy);
         }
         let scene = self.requests.scenes + 1;
@@ -129,6 +135,16 @@ impl Server {
     fn tune(&mut self, viewer: u64, request: u32, tuning: Tuning) -> Result<Sent, Denial> {
         let number = self.requests.open(viewer, request).ok_or(Denial::Busy)?.number;
         self.job(Job::Check { number, scene: self.scene.number, tuning: Box::new(tuning) });
+        Ok(Sent::Waits)
+    }
+
+    /// Not while a scene comes that was given its budget already. One that comes later follows it all the way.
+    fn limit(&mut self, viewer: u64, request: u32, rule: WorkBudget) -> Result<Sent, Denial> {
+        if self.requests.is_scene_coming() {
+            return Err(Denial::Busy);
+        }
+        let number = self.requests.open(viewer, request).ok_or(Denial::Busy)?.number;
+        self.job(Job::Limit { number, scene: self.scene.number, rule });
         Ok(Sent::Waits)
     }
 

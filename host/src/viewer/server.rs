@@ -167,6 +167,10 @@ impl Server {
             (_, FromViewer::Subscribe(subscription)) => {
                 peer.subscription = *subscription;
                 peer.statistics_due = now;
+                if subscription.surface == 0 && peer.surface_under_way.take().is_some() {
+                    let viewer = peer.serial;
+                    self.job(Job::GiveUp(viewer));
+                }
             }
             (_, FromViewer::UploadBegin(begin)) => {
                 let state = self.uploads.begin(begin, now);
@@ -240,7 +244,10 @@ impl Server {
             self.counter.wanted.look_every(place, viewer.map_or(0, |peer| peer.subscription.every));
         }
         self.peers.iter_mut().for_each(|peer| peer.write(now));
-        self.peers.retain(|peer| peer.stage != Stage::Gone);
+        for gone in self.peers.extract_if(.., |peer| peer.stage == Stage::Gone).filter(|gone| gone.surface_under_way.is_some()) {
+            // a workshop that is gone was told to go
+            let _ = self.jobs.send(Job::GiveUp(gone.serial));
+        }
     }
 
     /// The session has ended: everybody gets what waits, and the summary.

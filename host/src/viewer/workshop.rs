@@ -1,13 +1,15 @@
-//! The thread for what takes long: scenes built from uploaded models, tunings checked, surfaces computed, old engines dropped.
+//! The thread for what takes long: scenes built from uploaded models, tunings checked, budgets measured, surfaces computed, old engines dropped.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 
-use haptor_contact::{MAX_PARTS, Params, Patch, Vec3};
-use haptor_engine::{OwnedEngine, Scene, Tuned};
-use haptor_wire::viewer::POINTS_IN_MESSAGE;
-use haptor_wire::{Denial, SurfaceBlock, ToViewer, Tuning, encode_stream, scene_file, stream_bound};
+use haptor_engine::{Limit, OwnedEngine, Scene, SceneError, Tuned};
+use haptor_wire::{Denial, Tuning, WorkBudget, scene_file};
+
+use super::surfaces::{Done, SurfaceJob, Surfaces};
+use crate::rt::clock::Monotonic;
+use crate::work;
 
 /// Something to do.
 #[derive(Debug)]
@@ -32,35 +34,25 @@ pub enum Job {
         /// The tuning.
         tuning: Box<Tuning>,
     },
+    /// Find the budget of the scene that runs, and of those that are built from now on, by this rule.
+    Limit {
+        /// Of the request.
+        number: u64,
+        /// The scene that runs.
+        scene: u32,
+        /// The rule.
+        rule: WorkBudget,
+    },
     /// Compute the displacements of rest points.
     Surface(Box<SurfaceJob>),
+    /// This viewer does not look at its surface any more.
+    GiveUp(u64),
     /// Drop an engine.
     Drop(OwnedEngine),
     /// This scene runs now: those before it are not needed any more.
     Runs(u32),
     /// This scene will not run.
     Forget(u32),
-}
-
-/// A surface to compute.
-#[derive(Debug)]
-pub struct SurfaceJob {
-    /// Serial number of the viewer.
-    pub viewer: u64,
-    /// The tick.
-    pub tick: u64,
-    /// Number of the scene.
-    pub scene: u32,
-    /// The patches in contact.
-    pub patches: heapless::Vec<Patch, MAX_PARTS>,
-    /// The parameters they were computed under.
-    pub params: Params,
-    /// Mass centre of the probe in `w`.
-    pub p_wp: Vec3,
-    /// With the motion of the whole body.
-    pub body: bool,
-    /// The points.
-    pub rest: Arc<[Vec3]>,
 }
 
 /// Something done.
@@ -84,13 +76,15 @@ pub enum Made {
         /// The tuning.
         result: Result<Box<Tuned>, (Denial, String)>,
     },
-    /// A surface as frames of the viewer link.
-    Surface {
-        /// Serial number of the viewer.
-        viewer: u64,
-        /// The frames.
-        frames: Vec<u8>,
+    /// A work budget, or why it is none.
+    Limited {
+        /// Of the request.
+        number: u64,
+        /// The budget.
+        result: Result<Limit, (Denial, String)>,
     },
+    /// A surface.
+    Surface(Done),
 }
 
 /// A scene and an engine of it to compute surfaces with.
@@ -104,23 +98,37 @@ struct Kept {
 #[derive(Debug)]
 pub struct Workshop {
     scenes: BTreeMap<u32, Kept>,
+    /// By which a scene gets its work budget.
+    rule: WorkBudget,
+    rate_hz: u32,
+    surfaces: Surfaces,
     made: Sender<Made>,
 }
 
 impl Workshop {
-    /// With the scene that runs first, number 0.
+    /// With the scene that runs first, number 0, and the rule by which scenes of a session at so many ticks a second get their work budget.
     #[must_use]
-    pub fn new(first: Scene, made: Sender<Made>) -> Self {
-        Self { scenes: BTreeMap::from([(0, Kept { scene: first, twin: None })]), made }
+    pub fn new(first: Scene, rule: WorkBudget, rate_hz: u32, made: Sender<Made>) -> Self {
+        Self {
+            scenes: BTreeMap::from([(0, Kept { scene: first, twin: None })]),
+            rule,
+            rate_hz,
+            surfaces: Surfaces::default(),
+            made,
+        }
     }
 
-    /// Works until nobody can send jobs any more.
+    /// Works until nobody can send jobs any more. What is asked goes before the next pass of a surface.
     pub fn run(mut self, jobs: &Receiver<Job>) {
-        while let Ok(job) = jobs.recv() {
-            if let Some(made) = self.work(job) {
-                // a server that is gone needs nothing any more
-                let _ = self.made.send(made);
-            }
+        loop {
+            let job = if self.surfaces.is_empty() { jobs.recv().map_err(TryRecvError::from) } else { jobs.try_recv() };
+            let made = match job {
+                Ok(job) => self.work(job),
+                Err(TryRecvError::Empty) => self.surfaces.pass().map(Made::Surface),
+                Err(TryRecvError::Disconnected) => return,
+            };
+            // a server that is gone needs nothing any more
+            made.into_iter().for_each(|made| drop(self.made.send(made)));
         }
     }
 
@@ -130,7 +138,12 @@ impl Workshop {
                 Some(Made::Built { number, scene, result: self.build(scene, digest, &file) })
             }
             Job::Check { number, scene, tuning } => Some(Made::Checked { number, scene, result: self.check(scene, &tuning) }),
-            Job::Surface(job) => Some(Made::Surface { viewer: job.viewer, frames: self.surface(&job).unwrap_or_default() }),
+            Job::Limit { number, scene, rule } => Some(Made::Limited { number, result: self.limit(scene, rule) }),
+            Job::Surface(job) => self.surface(job),
+            Job::GiveUp(viewer) => {
+                self.surfaces.give_up(viewer);
+                None
+            }
             Job::Drop(engine) => {
                 drop(engine);
                 None
@@ -150,10 +163,27 @@ impl Workshop {
         if scene_file::digest(file) != digest {
             return Err((Denial::Digest, String::new()));
         }
-        let built = Scene::read(file).and_then(|scene| Ok((scene.engine()?, scene)));
+        let built = Scene::read(file).and_then(|scene| Ok((self.engine(&scene)?, scene)));
         let (engine, scene) = built.map_err(|error| (Denial::Scene, error.to_string()))?;
         self.scenes.insert(number, Kept { scene, twin: None });
         Ok(engine)
+    }
+
+    /// An engine at rest, with its budget.
+    fn engine(&self, scene: &Scene) -> Result<OwnedEngine, SceneError> {
+        let mut engine = scene.engine()?;
+        engine.limit(work::find(self.rule, scene, self.rate_hz, &Monotonic)?.limit);
+        Ok(engine)
+    }
+
+    /// A rule that is none for the scene that runs is none for others.
+    fn limit(&mut self, scene: u32, rule: WorkBudget) -> Result<Limit, (Denial, String)> {
+        // the scene that runs is always kept
+        let kept = self.scenes.get(&scene).ok_or((Denial::Busy, String::new()))?;
+        let found = work::find(rule, &kept.scene, self.rate_hz, &Monotonic);
+        let found = found.map_err(|error| (Denial::Value, error.to_string()))?;
+        self.rule = rule;
+        Ok(found.limit)
     }
 
     fn check(&self, scene: u32, tuning: &Tuning) -> Result<Box<Tuned>, (Denial, String)> {
@@ -162,55 +192,17 @@ impl Workshop {
         kept.scene.tuned(tuning).map(Box::new).map_err(|error| (Denial::Value, error.to_string()))
     }
 
-    /// The frames of a surface; `None` when its scene is gone.
-    fn surface(&mut self, job: &SurfaceJob) -> Option<Vec<u8>> {
-        let kept = self.scenes.get_mut(&job.scene)?;
-        if kept.twin.is_none() {
-            kept.twin = kept.scene.engine().ok();
-        }
-        let engine = kept.twin.as_ref()?.get();
-        let mut moved = vec![Vec3::ZERO; job.rest.len()];
-        engine.surface(&job.params, &job.patches, job.p_wp, job.body).update(&job.rest, &mut moved);
-        Some(frames(job.tick, &moved))
-    }
-}
-
-/// Displacements as frames.
-fn frames(tick: u64, moved: &[Vec3]) -> Vec<u8> {
-    let step = SurfaceBlock::step_for(moved.iter().map(|u| u.abs().max_element()).fold(0.0, f32::max));
-    let mut frames = Vec::new();
-    for (i, points) in moved.chunks(POINTS_IN_MESSAGE).enumerate() {
-        let block = SurfaceBlock {
-            tick,
-            // at most REST_POINTS_MAX
-            of: moved.len() as u32,
-            offset: (i * POINTS_IN_MESSAGE) as u32,
-            step,
-            moved: points.iter().map(|u| SurfaceBlock::quantised(u.to_array(), step)).collect(),
-        };
-        let mut frame = [0; stream_bound(ToViewer::MAX_ENCODED)];
-        // the buffer has the longest message's bound
-        let length = encode_stream(&ToViewer::Surface(block), &mut frame).unwrap_or(0);
-        frames.extend_from_slice(&frame[..length]);
-    }
-    frames
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use haptor_wire::StreamDecoder;
-
-    #[test]
-    fn a_surface_comes_back_from_its_frames() {
-        let moved: Vec<Vec3> = (0..600).map(|i| Vec3::new(1.0e-6 * i as f32, -2.0e-3, 0.0)).collect();
-        let (mut decoder, mut back) = (StreamDecoder::<{ stream_bound(ToViewer::MAX_ENCODED) }>::new(), Vec::new());
-        decoder.feed(&frames(7, &moved), |message| {
-            let ToViewer::Surface(block) = message else { panic!("{message:?}") };
-            assert_eq!((block.tick, block.of, block.offset as usize), (7, 600, back.len()));
-            back.extend(block.displacements().map(Vec3::from_array));
+    /// Takes a surface in. One whose scene is gone is done.
+    fn surface(&mut self, job: Box<SurfaceJob>) -> Option<Made> {
+        let kept = self.scenes.get_mut(&job.scene);
+        let twin = kept.and_then(|kept| {
+            kept.twin = kept.twin.take().or_else(|| kept.scene.engine().ok());
+            kept.twin.as_ref()
         });
-        assert_eq!((back.len(), decoder.counts().rejected()), (600, 0));
-        assert!(back.iter().zip(&moved).all(|(a, b)| (*a - *b).abs().max_element() <= 0.501 * 2.0e-3 / 32767.0));
+        let Some(twin) = twin else {
+            return Some(Made::Surface(Done { viewer: job.viewer, tick: job.tick, frames: Vec::new(), points: 0, passes: 0 }));
+        };
+        self.surfaces.begin(job, twin.get());
+        None
     }
 }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use haptor_contact::{MAX_WORK, MIN_WORK};
+use haptor_engine::work::budget;
+use haptor_wire::WorkBudget;
 use haptor_wire::viewer::DEFAULT_ADDRESS;
 
 use super::bake::bake;
@@ -55,10 +56,10 @@ pub struct Session {
     /// What `--device sim` simulates [default: that of `haptor config`, or premium15]
     #[arg(long, value_parser = config::PRESETS)]
     preset: Option<String>,
-    /// Work a tick may spend before tier and samples are lowered: auto measures this machine first, off sets no limit, or instructions, 10000
-    /// to 1000000000 [default: what the scene says]
-    #[arg(long, value_name = "auto|off|N", value_parser = budget)]
-    budget: Option<String>,
+    /// Work a tick may spend before tier and samples are lowered, in this scene and in those that viewers bring: auto measures this machine for each, off sets no
+    /// limit, scene leaves it to each, or instructions, 10000 to 1000000000
+    #[arg(long, value_name = "scene|auto|off|N", value_parser = budget, default_value_t = WorkBudget::Scene)]
+    budget: WorkBudget,
     /// Length of the session [s]; until Ctrl-C when not given
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     seconds: Option<f64>,
@@ -85,15 +86,6 @@ impl Session {
 /// How long a simulated device serves when no length is given \[s\]: some eleven days, what it takes at most.
 const LONGEST_S: f64 = 999_990.0;
 
-/// A work budget as the host takes it.
-fn budget(text: &str) -> Result<String, String> {
-    let is_work = text.parse().is_ok_and(|work: u32| (MIN_WORK..=MAX_WORK).contains(&work));
-    let known = is_work || ["auto", "off"].contains(&text);
-    known
-        .then(|| text.to_owned())
-        .ok_or_else(|| format!("allowed is auto, off, or instructions a tick, {MIN_WORK} to {MAX_WORK}"))
-}
-
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
     if args.view {
@@ -119,9 +111,7 @@ pub fn start(args: &Session, record: Option<&Path>, view: bool) -> Outcome {
     if let Some(seconds) = args.seconds {
         command.args(["--seconds", &seconds.to_string()]);
     }
-    if let Some(budget) = &args.budget {
-        command.args(["--budget", budget]);
-    }
+    command.args(["--budget", &args.budget.to_string()]);
     if let Some(record) = record {
         command.arg("--record").arg(record);
     }

@@ -1,9 +1,10 @@
 //! `haptor tell`: asks something of a running host, from a shell or a script.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use haptor_wire::Wish;
+use haptor_engine::work::budget;
+use haptor_wire::{ToViewer, Wish, WorkBudget};
 
 use super::bake::bake;
 use crate::client::{Address, ClientError, Connection, Token, address};
@@ -20,7 +21,8 @@ const UPLOADS: u32 = 5;
 /// The host lets viewers in when it was started with --viewer. Exit 0 when it was done, 1 when there is no host or it says why not.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: haptor tell 127.0.0.1:21278 stop\n\
-                        Another scene: haptor tell 127.0.0.1:21278 scene tests/scenes/mallet.toml")]
+                        Another scene: haptor tell 127.0.0.1:21278 scene tests/scenes/mallet.toml\n\
+                        Half a million instructions a tick at most: haptor tell 127.0.0.1:21278 budget 500000")]
 pub struct Args {
     /// Address of the host: HOST:PORT or unix:PATH
     addr: Address,
@@ -49,6 +51,12 @@ enum What {
         /// Scene file (TOML)
         scene: PathBuf,
     },
+    /// Limit the work of a tick from the next one on, in this scene and in every one after it: tier and samples go down before a tick takes more
+    Budget {
+        /// auto: what this machine does in 60 % of the period, measured now; off: no limit; scene: what each scene says; or instructions, 10000 to 1000000000
+        #[arg(value_name = "scene|auto|off|N", value_parser = budget)]
+        budget: WorkBudget,
+    },
     /// Fetch the baked file of the scene that runs
     Fetch {
         /// The file to write
@@ -68,9 +76,27 @@ pub fn run(args: &Args) -> Outcome {
         What::Resume => Wish::Freeze(false),
         What::Tare => Wish::Tare,
         What::Scene { scene } => return activate(&args.addr, token, host, scene),
+        What::Budget { budget } => return limit(&mut host, *budget),
         What::Fetch { output } => return write_file(output, &host.download().map_err(failed)?),
     };
     host.request(wish).map_err(failed)
+}
+
+/// The host says what a tick may spend before it says that it was done; where no device has answered yet, it says nothing of it.
+fn limit(host: &mut Connection, budget: WorkBudget) -> Outcome {
+    host.request(Wish::Budget(budget)).map_err(failed)?;
+    let mut holds = None;
+    while let Some(message) = host.next(Duration::ZERO).map_err(failed)? {
+        if let ToViewer::Device(hello) = message {
+            holds = Some(hello.work);
+        }
+    }
+    match holds {
+        Some(Some(work)) => say(format_args!("a tick may spend {work} instructions")),
+        Some(None) => say("the work of a tick has no limit"),
+        None => {}
+    }
+    Ok(())
 }
 
 fn activate(address: &Address, token: Token, mut host: Connection, path: &Path) -> Outcome {
