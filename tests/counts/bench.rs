@@ -6,7 +6,7 @@
 use core::hint::black_box;
 use core::num::NonZeroUsize;
 
-use haptor_contact::surface::Surface;
+use haptor_contact::surface::{Prepared, Surface};
 use haptor_contact::{Input, Invalid, Model, ModelSpec, Output, Params, Scratch, State, Vec3, step};
 
 use crate::cases::{Case, ROUND, RUBBER, SIDE, Shown};
@@ -32,12 +32,13 @@ pub struct Room {
     scratch: Scratch<16>,
     rest: [Vec3; VERTICES],
     moved: [Vec3; VERTICES],
+    prepared: Prepared,
 }
 
 impl Room {
     pub fn new() -> Self {
         let (rest, moved) = ([Vec3::ZERO; VERTICES], [Vec3::ZERO; VERTICES]);
-        Self { state: State::new(), scratch: Scratch::new(), rest, moved }
+        Self { state: State::new(), scratch: Scratch::new(), rest, moved, prepared: Prepared::new() }
     }
 
     /// As if no scene had used it.
@@ -67,7 +68,7 @@ pub fn run(case: &Case, room: &mut Room, counter: &mut impl Count) -> Result<u8,
     let input = |tick| Input { pose: case.pose(tick), dt: 1.0e-3 };
     let regions = warm_round(&mut bench, input);
     if let Some(shown) = case.surface {
-        update(&bench, case, shown, (&mut room.rest, &mut room.moved), counter);
+        update(&bench, case, shown, (&mut room.rest, &mut room.moved, &mut room.prepared), counter);
         return Ok(regions);
     }
     for tick in ROUND..2 * ROUND {
@@ -87,14 +88,20 @@ fn warm_round(bench: &mut Bench<'_>, input: impl Fn(usize) -> Input) -> u8 {
 }
 
 /// Surfaces after the last tick.
-fn update(bench: &Bench<'_>, case: &Case, shown: Shown, (rest, moved): (&mut [Vec3], &mut [Vec3]), counter: &mut impl Count) {
+fn update(
+    bench: &Bench<'_>,
+    case: &Case,
+    shown: Shown,
+    (rest, moved, prepared): (&mut [Vec3], &mut [Vec3], &mut Prepared),
+    counter: &mut impl Count,
+) {
     let count = VERTICES.min(shown.side.get() * shown.side.get());
     let (Some(rest), Some(moved)) = (rest.get_mut(..count), moved.get_mut(..count)) else { return };
     rest.iter_mut().enumerate().for_each(|(k, vertex)| *vertex = vertex_at_rest(case, shown.side, k));
     let p_wp = case.pose(ROUND - 1).position;
     let surface = Surface { model: &bench.model, params: &bench.params, patches: bench.state.patches(), p_wp, body: shown.body };
     for _ in 0..UPDATES {
-        counter.count(|| measured_surface(&surface, rest, black_box(moved)));
+        counter.count(|| measured_surface(&surface, prepared, rest, black_box(moved)));
     }
 }
 
@@ -112,6 +119,7 @@ fn measured_tick(bench: &mut Bench<'_>, input: &Input) -> Output {
 
 /// One update of a whole surface.
 #[inline(never)]
-fn measured_surface(surface: &Surface<'_>, rest: &[Vec3], moved: &mut [Vec3]) {
-    surface.update(rest, moved);
+fn measured_surface(surface: &Surface<'_>, prepared: &mut Prepared, rest: &[Vec3], moved: &mut [Vec3]) {
+    prepared.prepare(surface);
+    prepared.update(rest, moved);
 }

@@ -30,12 +30,12 @@ const ROOTS: [(&str, usize, &str); 8] = [
     ("a turn of the simulated device: `Device::step`", 1, "device::turn"),
     (DEVICE, 1, "device::__cortex_m_rt_main"),
     ("x86-64: a tick, every tier and shape: `step`", 2, "haptor_m7_counts::bench::measured_tick"),
-    ("x86-64: a whole surface: `Surface::update`", 2, "haptor_m7_counts::bench::measured_surface"),
+    ("x86-64: a whole surface: `Prepared::prepare`, `Prepared::update`", 2, "haptor_m7_counts::bench::measured_surface"),
     ("x86-64: a scene made and stepped", 2, "haptor_m7_counts::bench::run::<haptor_m7_counts::hosted::Calls>"),
 ];
 
 /// What is done in every tick, on a Cortex-M7.
-const TICK: [&str; 2] = ["a tick, every tier and shape: `step`", "a whole surface: `Surface::update`"];
+const TICK: [&str; 2] = ["a tick, every tier and shape: `step`", "a whole surface: `Prepared::prepare`, `Prepared::update`"];
 
 /// What is measured as well, by painting.
 const RUN: &str = "a scene made and stepped: `Model::new`, `Params::new`, ticks, surfaces";

@@ -170,7 +170,9 @@ fn of_call(patches: usize, body: bool) -> u32 {
     })
 }
 
-fn of_vertex(patches: usize, body: bool) -> u32 {
+/// One more vertex of an update, under so many patches, with the motion of the whole body or without.
+#[must_use]
+pub fn of_vertex(patches: usize, body: bool) -> u32 {
     costs::VERTEX.saturating_add(costs::VERTEX_PATCH.saturating_mul(count(patches))).saturating_add(if body {
         costs::VERTEX_BODY
     } else {

@@ -19,7 +19,7 @@ mod costs;
 mod estimate;
 mod rung;
 
-pub use estimate::of_surface;
+pub use estimate::{of_surface, of_vertex};
 pub use rung::Rung;
 
 use crate::frames::{Pose, ProbeFrame, World};

@@ -48,16 +48,24 @@ pub fn hold(
             Flags::CLEAN
         }
         Tier::Bristle => hold_bristles(model, params, rung, patches, &mut work, changed),
-        Tier::Influence => hold_cells(model, params, rung, patches, &mut work, changed),
-        Tier::Green => {
-            // without a table the body is the closed forms', as in tier `influence`
-            let lowered = if model.green.is_some() { Flags::CLEAN } else { Flags::TIER_LOWERED };
-            lowered | hold_cells(model, params, rung, patches, &mut work, changed)
+        Tier::Influence | Tier::Green => {
+            // without a table the body of tier `green` is the closed forms', as in tier `influence`
+            let lowered = rung.tier == Tier::Green && model.green.is_none();
+            let flags = if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN };
+            let room = if work.traced { work.per_slot } else { 0 };
+            flags
+                | match influence::Layout::fitting(usize::from(rung.samples), room) {
+                    Some(layout) => hold_cells(model, params, (rung, &layout), patches, &mut work, changed),
+                    // beside it and not below it: the stack holds one of the two
+                    None => hold_bristles(model, params, rung, patches, &mut work, changed) | Flags::TIER_LOWERED,
+                }
         }
     }
 }
 
-/// Tier `bristle`, with fewer rings where the state has no room for all, and in closed form where it has room for none.
+/// Tier `bristle`, with fewer rings where the state has no room for all, and in closed form where it has room for none. Not inlined: a tick that holds no
+/// bristles needs no stack for them.
+#[inline(never)]
 fn hold_bristles(
     model: &Model<'_>,
     params: &Params,
@@ -88,25 +96,22 @@ fn hold_bristles(
     flags
 }
 
-/// Tier `influence`, with fewer cells where the state has no room for all, and with bristles where it has room for none.
+/// Tier `influence`, with fewer cells where the state has no room for all. Not inlined, as [`hold_bristles`].
+#[inline(never)]
 fn hold_cells(
     model: &Model<'_>,
     params: &Params,
-    rung: Rung,
+    (rung, layout): (Rung, &influence::Layout),
     patches: &mut [Patch],
     work: &mut Workspace<'_>,
     changed: bool,
 ) -> Flags {
-    let room = if work.traced { work.per_slot } else { 0 };
-    let Some(layout) = influence::Layout::fitting(usize::from(rung.samples), room) else {
-        return hold_bristles(model, params, rung, patches, work, changed) | Flags::TIER_LOWERED;
-    };
     let Workspace { stored: Stored { force, trace }, per_slot, grounds, .. } = work;
     each(model, params, patches, grounds, changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         let (forces, traces) = (force.get_mut(start..start + *per_slot), trace.get_mut(start..start + *per_slot));
         if let (Some(force), Some(trace)) = (forces, traces) {
-            influence::advance(hold, &model.material, &layout, usize::from(rung.sweeps), patch, &mut Stored { force, trace });
+            influence::advance(hold, &model.material, layout, usize::from(rung.sweeps), patch, &mut Stored { force, trace });
         }
     });
     if layout.cells < usize::from(rung.samples) { Flags::TIER_LOWERED } else { Flags::CLEAN }

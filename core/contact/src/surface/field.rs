@@ -133,7 +133,7 @@ impl Field {
     /// With what the probe, which keeps the contact as it is, takes back of the body's motion under it.
     #[must_use]
     pub fn held_against(mut self, body: &BodyMotion, patch: &Patch) -> Self {
-        if matches!(body, BodyMotion::None) {
+        if body.is_none() {
             return self;
         }
         let Frame { centre, first, second, normal, radius, .. } = self.frame;

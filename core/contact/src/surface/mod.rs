@@ -9,7 +9,7 @@
 //! and not the probe's motion since birth: a patch that lost its grip leaves no field, a thousand turns of sliding do not wind the
 //! surface up, and all tiers share one field. After a reversal the field is that of fresh loading to the same grip.
 //!
-//! Pure functions, no allocation; work is vertices times patches. What does not depend on the point is prepared once ([`Surface::prepare`]); points
+//! Pure functions, no allocation; work is vertices times patches. What does not depend on the point is prepared once ([`Prepared::prepare`]); points
 //! then go in fixed blocks of arrays that a compiler vectorises, with the same bits in every build. [`SurfaceState`] spreads a surface over ticks.
 //!
 //! ```
@@ -44,8 +44,6 @@ pub mod slip_table;
 mod state;
 pub mod table;
 
-use core::ops::Range;
-
 use glam::Vec3;
 use heapless::Vec;
 
@@ -74,49 +72,24 @@ pub struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Displacement \[m\], in world, of the rest surface point `p_w`. For many points [`Surface::prepare`] once.
+    /// Displacement \[m\], in world, of the rest surface point `p_w`. For many points [`Prepared::prepare`] once.
     pub fn displacement(&self, p_w: Vec3) -> Vec3 {
-        self.prepare().displacement(p_w)
+        let mut moved = [Vec3::ZERO];
+        self.update(&[p_w], &mut moved);
+        moved[0]
     }
 
-    /// Displacements of all `rest` points. The shorter slice bounds the work.
+    /// Displacements of all `rest` points. The shorter slice bounds the work. Takes the memory of a [`Prepared`] from the stack; [`Prepared::update`] is for those who
+    /// have it elsewhere.
     pub fn update(&self, rest: &[Vec3], moved: &mut [Vec3]) {
-        self.prepare().update(rest, moved);
-    }
-
-    /// Displacements of the points in `block` only, so that a whole surface may be spread over ticks; gives the same bits as `update`.
-    /// What of the block lies beyond the slices is left out.
-    pub fn update_block(&self, rest: &[Vec3], moved: &mut [Vec3], block: Range<usize>) {
-        let end = block.end.min(rest.len()).min(moved.len());
-        if let (Some(rest), Some(moved)) = (rest.get(block.start..end), moved.get_mut(block.start..end)) {
-            self.update(rest, moved);
-        }
-    }
-
-    /// What does not depend on the point: the motion of the body by the beam skeleton, and every patch's field.
-    pub fn prepare(&self) -> Prepared {
-        let patches = self.patches.get(..MAX_PARTS).unwrap_or(self.patches);
-        self.prepare_with(if self.body { BodyMotion::new(self.model, patches) } else { BodyMotion::None })
-    }
-
-    /// As [`Surface::prepare`], with a motion of the body that the caller knows.
-    pub fn prepare_with(&self, body: BodyMotion) -> Prepared {
-        let mut prepared = Prepared { base: self.model.base(), fields: Vec::new(), body };
-        for patch in self.patches {
-            let Some(field) = Field::new(self.model, self.params, patch) else { continue };
-            let paper = match self.params.tier {
-                Tier::Paper => paper::Twist::new(self.model, self.params, patch, self.p_wp),
-                _ => paper::Twist::None,
-            };
-            let field = field.held_against(&prepared.body, patch);
-            // a probe has at most as many patches as there is room for
-            let _ = prepared.fields.push((field, paper));
-        }
-        prepared
+        let mut prepared = Prepared::new();
+        prepared.prepare(self);
+        prepared.update(rest, moved);
     }
 }
 
-/// A surface prepared for many points: 35 kB, of which the skeleton is 20 kB, on the stack of who asks.
+/// A surface prepared for many points. 41 kB of memory that the caller holds, in a static or a box: it is filled where it lies, and a call needs little stack
+/// beside it.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     base: f32,
@@ -124,7 +97,40 @@ pub struct Prepared {
     body: BodyMotion,
 }
 
+impl Default for Prepared {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Prepared {
+    /// Of a surface that no patch moves.
+    pub const fn new() -> Self {
+        Self { base: 0.0, fields: Vec::new(), body: BodyMotion::REST }
+    }
+
+    /// Prepares what does not depend on the point: the motion of the body, and every patch's field. Patches beyond [`MAX_PARTS`] are left out.
+    pub fn prepare(&mut self, surface: &Surface<'_>) {
+        let Surface { model, params, patches, p_wp, body } = *surface;
+        let patches = patches.get(..MAX_PARTS).unwrap_or(patches);
+        self.base = model.base();
+        self.fields.clear();
+        if body {
+            self.body.prepare(model, patches);
+        } else {
+            self.body.stop();
+        }
+        for patch in patches {
+            let Some(field) = Field::new(model, params, patch) else { continue };
+            let paper = match params.tier {
+                Tier::Paper => paper::Twist::new(model, params, patch, p_wp),
+                _ => paper::Twist::None,
+            };
+            // as many patches as there is room for
+            let _ = self.fields.push((field.held_against(&self.body, patch), paper));
+        }
+    }
+
     /// Displacement \[m\], in world, of the rest surface point `p_w`.
     pub fn displacement(&self, p_w: Vec3) -> Vec3 {
         let mut moved = [Vec3::ZERO];
@@ -172,6 +178,14 @@ mod tests {
         look(&Surface { model: &model, params: &params, patches: state.patches(), p_wp: place, body: true });
     }
 
+    fn prepared(surface: &Surface<'_>) -> Prepared {
+        // what another surface left is of no matter
+        let mut prepared = Prepared::new();
+        prepared.prepare(&Surface { patches: &[], ..*surface });
+        prepared.prepare(surface);
+        prepared
+    }
+
     const SHAPES: [ObjectShape<'_>; 5] = [
         ObjectShape::HalfSpace,
         ObjectShape::Box { size: Vec3::splat(0.1) },
@@ -185,7 +199,7 @@ mod tests {
         for (object, tier) in SHAPES.into_iter().flat_map(|o| [(o, Tier::Point), (o, Tier::Bristle), (o, Tier::Paper)]) {
             after_a_mixed_motion(object, tier, |surface| {
                 let top = object.height();
-                let (base, surface) = (surface.model.fixed_below, surface.prepare());
+                let (base, surface) = (surface.model.fixed_below, prepared(surface));
                 if top > 0.0 {
                     let held = Vec3::new(0.03, 0.01, base);
                     assert_eq!(surface.displacement(held), Vec3::ZERO, "{object:?} {tier:?}");
@@ -214,7 +228,8 @@ mod tests {
             let rest: [Vec3; 100] = core::array::from_fn(|i| Vec3::new(5.0e-4 * i as f32, 0.01, 0.1 - 1.0e-3 * i as f32));
             let (mut whole, mut parts) = ([Vec3::ONE; 100], [Vec3::ZERO; 100]);
             surface.update(&rest, &mut whole);
-            [0..32, 32..64, 64..128, 200..300].into_iter().for_each(|block| surface.update_block(&rest, &mut parts, block));
+            let prepared = prepared(surface);
+            [0..32, 32..64, 64..100].into_iter().for_each(|block| prepared.update(&rest[block.clone()], &mut parts[block]));
             assert_eq!(whole, parts);
             assert!(rest.iter().zip(&whole).all(|(&p, &u)| surface.displacement(p) == u));
         });
@@ -285,7 +300,7 @@ mod tests {
                     }
                     let p_wp = place(9.0);
                     let surface = Surface { model: &model, params: &params, patches: state.patches(), p_wp, body: true };
-                    let surface = surface.prepare();
+                    let surface = prepared(&surface);
                     let centre = state.patches()[0].at_rest();
                     let rest: [Vec3; 600] = core::array::from_fn(|i| match i % 3 {
                         0 => Vec3::new(2.0e-4 * i as f32 - 0.05, 0.0, 0.1) * scale,

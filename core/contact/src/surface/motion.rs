@@ -1,6 +1,6 @@
 //! Motion of the whole body under all patches together: prepared once per update, then asked for at every point.
 //!
-//! A source of it is a variant of [`BodyMotion`]; what uses it knows nothing but displacements.
+//! Each source of it has its place in [`BodyMotion`], is filled where it lies, and what uses it knows nothing but displacements.
 
 use glam::Vec3;
 
@@ -12,50 +12,73 @@ use super::field::Field;
 use super::skeleton::Skeleton;
 use super::table::TableMotion;
 
-/// How the body as a whole moves.
+/// How the body as a whole moves. 27 kB: prepared where it lies, it is never copied.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "one value per update, on the stack: there is no heap to put it on")]
-pub enum BodyMotion {
-    /// Not at all: a half space, or only the surroundings of the contacts are asked for.
+pub struct BodyMotion {
+    source: Source,
+    skeleton: Skeleton,
+    table: TableMotion,
+}
+
+/// Where a motion comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    /// There is none: a half space, or only the surroundings of the contacts are asked for.
     None,
-    /// As the beam skeleton carries the patches' loads to the base.
-    Skeleton(Skeleton),
-    /// As the body's own Green's function has it.
-    Table(TableMotion),
+    /// The beam skeleton carries the patches' loads to the base.
+    Skeleton,
+    /// The body's own Green's function.
+    Table,
 }
 
 impl BodyMotion {
-    /// The motion under `patches`, from the body's table where it has one, else from the beam skeleton.
-    pub fn new(model: &Model<'_>, patches: &[Patch]) -> Self {
-        if let Some(motion) = TableMotion::new(model, patches) {
-            return Self::Table(motion);
-        }
-        Skeleton::new(model, patches).map_or(Self::None, Self::Skeleton)
+    /// None.
+    pub const REST: Self = Self { source: Source::None, skeleton: Skeleton::REST, table: TableMotion::REST };
+
+    /// Becomes the motion under `patches`, from the body's table where it has one, else from the beam skeleton.
+    pub fn prepare(&mut self, model: &Model<'_>, patches: &[Patch]) {
+        self.source = if self.table.prepare(model, patches) {
+            Source::Table
+        } else if self.skeleton.prepare(model, patches) {
+            Source::Skeleton
+        } else {
+            Source::None
+        };
+    }
+
+    /// Becomes none.
+    pub const fn stop(&mut self) {
+        self.source = Source::None;
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.source == Source::None
     }
 
     /// Displacement \[m\] of the rest point `p_w`.
     pub fn at(&self, p_w: Vec3) -> Vec3 {
-        match self {
-            Self::None => Vec3::ZERO,
-            Self::Skeleton(skeleton) => skeleton.at(p_w),
-            Self::Table(table) => table.at(p_w),
+        match self.source {
+            Source::None => Vec3::ZERO,
+            Source::Skeleton => self.skeleton.at(p_w),
+            Source::Table => self.table.at(p_w),
         }
     }
 
     /// Adds the displacements of a block of points.
     pub(super) fn add(&self, block: &mut Block) {
-        match self {
-            Self::None => {}
-            Self::Skeleton(skeleton) => skeleton.add(block),
-            Self::Table(table) => table.add(block),
+        match self.source {
+            Source::None => {}
+            Source::Skeleton => self.skeleton.add(block),
+            Source::Table => self.table.add(block),
         }
     }
 
     /// Adds the field of patch `k`, as far as it goes with this motion.
     pub(super) fn add_field(&self, k: usize, field: &Field, block: &mut Block) {
-        match self {
-            Self::Table(table) => table.add_field(k, field, block),
-            Self::None | Self::Skeleton(_) => field.add(block),
+        match self.source {
+            Source::Table => self.table.add_field(k, field, block),
+            Source::None | Source::Skeleton => field.add(block),
         }
     }
 }

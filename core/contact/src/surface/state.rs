@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Surface;
+use super::{Prepared, Surface};
 
 /// Displacements of up to `VERTICES` vertices, and how far round the surface the updates are.
 ///
@@ -10,6 +10,8 @@ use super::Surface;
 #[derive(Clone, Debug)]
 pub struct SurfaceState<const VERTICES: usize> {
     moved: [Vec3; VERTICES],
+    /// Memory that an update works in.
+    prepared: Prepared,
     /// Vertex at which the next update starts.
     cursor: usize,
 }
@@ -30,7 +32,7 @@ pub struct Updated {
 impl<const VERTICES: usize> SurfaceState<VERTICES> {
     /// A surface at rest.
     pub const fn new() -> Self {
-        Self { moved: [Vec3::ZERO; VERTICES], cursor: 0 }
+        Self { moved: [Vec3::ZERO; VERTICES], prepared: Prepared::new(), cursor: 0 }
     }
 
     /// Displacements \[m\] of the vertices.
@@ -40,7 +42,8 @@ impl<const VERTICES: usize> SurfaceState<VERTICES> {
 
     /// Updates the next `most` vertices of `rest`, the object's vertices at rest. `most` of their number or more updates all.
     pub fn update(&mut self, surface: &Surface<'_>, rest: &[Vec3], most: usize) -> Updated {
-        advance(surface, rest, &mut self.moved, &mut self.cursor, most)
+        let Self { moved, prepared, cursor } = self;
+        advance((surface, prepared), rest, moved, cursor, most)
     }
 }
 
@@ -50,12 +53,20 @@ impl<const VERTICES: usize> Default for SurfaceState<VERTICES> {
     }
 }
 
-fn advance(surface: &Surface<'_>, rest: &[Vec3], moved: &mut [Vec3], cursor: &mut usize, most: usize) -> Updated {
+fn advance(
+    (surface, prepared): (&Surface<'_>, &mut Prepared),
+    rest: &[Vec3],
+    moved: &mut [Vec3],
+    cursor: &mut usize,
+    most: usize,
+) -> Updated {
     let fits = rest.len().min(moved.len());
     let first = if *cursor < fits && most < fits { *cursor } else { 0 };
     let count = most.min(fits - first);
-    if count > 0 {
-        surface.update_block(rest, moved, first..first + count);
+    let block = first..first + count;
+    if let (Some(rest), Some(moved), true) = (rest.get(block.clone()), moved.get_mut(block), count > 0) {
+        prepared.prepare(surface);
+        prepared.update(rest, moved);
     }
     let round = first + count == fits;
     *cursor = if round { 0 } else { first + count };

@@ -46,22 +46,31 @@ const NEAR: f32 = 1.5;
 const FAR: f32 = 4.0;
 
 impl TableMotion {
-    /// The motion under `patches`; `None` where the model has no table, or the scene's own compliances go before it.
-    pub fn new(model: &Model<'_>, patches: &[Patch]) -> Option<Self> {
-        let green = model.table()?;
-        let mut motion =
-            Self { chart: *green.chart(), base: model.fixed_below, moves: [Vec3::ZERO; MAX_PLACES], sources: Vec::new() };
+    /// Nothing moved, and nothing to be read before it is prepared: zeros, so that a static of it needs no image in flash.
+    pub const REST: Self = Self {
+        chart: Chart { centre: Vec3::ZERO, half_size: Vec3::ZERO, per_edge: 0 },
+        base: 0.0,
+        moves: [Vec3::ZERO; MAX_PLACES],
+        sources: Vec::new(),
+    };
+
+    /// Becomes the motion under `patches`; false where the model has no table, or the scene's own compliances go before it.
+    pub fn prepare(&mut self, model: &Model<'_>, patches: &[Patch]) -> bool {
+        let Some(green) = model.table() else { return false };
+        (self.chart, self.base) = (*green.chart(), model.fixed_below);
+        self.moves.fill(Vec3::ZERO);
+        self.sources.clear();
         for patch in patches.iter().filter(|patch| patch.footprint.radius > 0.0) {
             let loaded = green.chart().cell(patch.at_rest());
             let seen = ground::seen(model, patch);
-            for (node, moved) in motion.moves.iter_mut().enumerate().take(green.chart().places()) {
+            for (node, moved) in self.moves.iter_mut().enumerate().take(green.chart().places()) {
                 let [x, y, z, _] = green.at_node(node, &loaded, &seen);
                 *moved += Vec3::new(x, y, z);
             }
             // a probe has at most as many patches as there is room for
-            let _ = motion.sources.push(Source::new(model, green, patch, &loaded, &seen));
+            let _ = self.sources.push(Source::new(model, green, patch, &loaded, &seen));
         }
-        Some(motion)
+        true
     }
 
     /// What the table adds at the rest point `p_w` \[m\].

@@ -23,7 +23,7 @@ mod spline;
 use glam::{Vec2, Vec3};
 
 use crate::math::{clamp, max};
-use crate::model::{Model, ObjectShape};
+use crate::model::Model;
 use crate::patch::Patch;
 
 use super::block::{BLOCK, Block, more};
@@ -49,22 +49,17 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// The skeleton of the model's object under `patches`; `None` for a half space, and where nothing is pressed or held.
-    pub fn new(model: &Model<'_>, patches: &[Patch]) -> Option<Self> {
-        let section = Section::of(&model.object)?;
-        let base = model.fixed_below;
-        let height = model.object.height() - base;
-        let stations = stations(model, &section, patches)?;
-        let mut plates = [Plate::ZERO; STATIONS];
-        for (plate, station) in plates.iter_mut().zip(&stations) {
-            *plate = Plate::through(station);
-        }
-        Some(Self {
-            base,
-            rate: LEVELS as f32 / height,
-            per_half: Vec2::new(1.0 / section.half.x, 1.0 / section.half.y),
-            spans: spline::spans(&plates),
-        })
+    /// Nothing moved.
+    pub const REST: Self = Self { base: 0.0, rate: 0.0, per_half: Vec2::ZERO, spans: [Span::REST; LEVELS] };
+
+    /// Becomes the skeleton of the model's object under `patches`; false for a half space.
+    pub fn prepare(&mut self, model: &Model<'_>, patches: &[Patch]) -> bool {
+        let Some(section) = Section::of(&model.object) else { return false };
+        self.base = model.fixed_below;
+        self.rate = LEVELS as f32 / (model.object.height() - self.base);
+        self.per_half = Vec2::new(1.0 / section.half.x, 1.0 / section.half.y);
+        spline::spans(&plates(model, &section, patches), &mut self.spans);
+        true
     }
 
     /// Displacement \[m\] of the rest point `p_w`.
@@ -113,15 +108,22 @@ impl Skeleton {
 /// 1.5 x 2^23: added to a small number, it leaves the nearest integer in the low bits.
 const ROUNDER: f32 = 12_582_912.0;
 
-/// The stations of a body under `patches`, from the base up, with their anchors' displacements: what a viewer may draw. `None` for a half
-/// space.
-pub fn stations(model: &Model<'_>, section: &Section, patches: &[Patch]) -> Option<[Station; STATIONS]> {
-    if model.object == ObjectShape::HalfSpace {
-        return None;
+/// The plates through the stations. A function of its own, so that the stations lie on the stack no longer than they are needed.
+#[inline(never)]
+fn plates(model: &Model<'_>, section: &Section, patches: &[Patch]) -> [Plate; STATIONS] {
+    let mut stations = [Station::REST; STATIONS];
+    set_stations(model, section, patches, &mut stations);
+    let mut plates = [Plate::ZERO; STATIONS];
+    for (plate, station) in plates.iter_mut().zip(&stations) {
+        *plate = Plate::through(station);
     }
+    plates
+}
+
+/// Sets the stations of a body under `patches`, from the base up, with their anchors' displacements.
+fn set_stations(model: &Model<'_>, section: &Section, patches: &[Patch], stations: &mut [Station; STATIONS]) {
     let base = model.fixed_below;
     let step = (model.object.height() - base) / (STATIONS - 1) as f32;
-    let mut stations = [Station::REST; STATIONS];
     for (k, station) in stations.iter_mut().enumerate() {
         let z = base + step * k as f32;
         *station = Station::at_rest(&model.object, section, z);
@@ -135,7 +137,6 @@ pub fn stations(model: &Model<'_>, section: &Section, patches: &[Patch]) -> Opti
         }
     }
     stations.iter_mut().for_each(Station::carry_anchors);
-    Some(stations)
 }
 
 /// Mean place of the patches, by the force that each holds \[m\]: forces that are opposed about it make a couple that twists the body.

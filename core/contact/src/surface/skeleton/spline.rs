@@ -74,6 +74,9 @@ pub(super) struct Span {
 }
 
 impl Span {
+    /// Nothing moved.
+    pub const REST: Self = Self { start: [0.0; WIDE], growth: [0.0; WIDE] };
+
     /// Displacement \[m\] at a place, `share` of the way through the interval; the fourth number is nothing.
     #[inline(always)]
     pub fn at(&self, share: f32, xi: f32, eta: f32, found: &mut [f32; 4]) {
@@ -91,10 +94,9 @@ impl Span {
     }
 }
 
-/// Spans at equal steps from the first station to the last: the natural cubic spline through every coefficient.
-pub(super) fn spans(stations: &[Plate; STATIONS]) -> [Span; LEVELS] {
+/// Sets spans at equal steps from the first station to the last: the natural cubic spline through every coefficient.
+pub(super) fn spans(stations: &[Plate; STATIONS], spans: &mut [Span; LEVELS]) {
     let bending = second_differences(stations);
-    let mut spans = [Span { start: [0.0; WIDE], growth: [0.0; WIDE] }; LEVELS];
     let mut start = stations[0];
     for (i, span) in spans.iter_mut().enumerate() {
         let end = between(stations, &bending, (i + 1) as f32 * ((STATIONS - 1) as f32 / LEVELS as f32));
@@ -102,7 +104,6 @@ pub(super) fn spans(stations: &[Plate; STATIONS]) -> [Span; LEVELS] {
         span.growth = end.plus(-1.0, &start).0;
         start = end;
     }
-    spans
 }
 
 /// The spline at a place counted in stations.
@@ -152,7 +153,8 @@ mod tests {
     fn the_spline_is_that_of_a_cantilever_and_keeps_the_base_at_rest() {
         let tip = |t: f32| t * t * (1.5 - 0.5 * t);
         for (f, allowed) in [(&(|t: f32| 2.0 * t) as &dyn Fn(f32) -> f32, 1.0e-6), (&tip, 1.0e-6)] {
-            let spans = spans(&along(f));
+            let mut spans = [Span::REST; LEVELS];
+            super::spans(&along(f), &mut spans);
             assert_eq!(spans[0].start, [0.0; WIDE]);
             for (i, span) in spans.iter().enumerate() {
                 let (found, exact) = (span.start[5] + span.growth[5], f((i + 1) as f32 / LEVELS as f32));

@@ -217,13 +217,25 @@ fn lanes(vectors: [Vec2; IMAGES]) -> Vectors {
     (Lanes(vectors.map(|v| v.x)), Lanes(vectors.map(|v| v.y)))
 }
 
-/// How the changes of all places move one, by class. A function of its own: inlined, the compiler turns the lanes about in every round.
+/// How the changes of all places move one, by class. A function of its own: inlined, the compiler turns the lanes about in every round. Four places a round, one after the
+/// other: counting rounds took a fifth of the instructions.
 #[inline(never)]
 fn moved(row: &[Pair; PLACES], pulls: &[Pull]) -> Vectors {
     let (mut x, mut y) = (Lanes::default(), Lanes::default());
-    for (pair, pull) in row.iter().zip(pulls) {
+    let mut pulled = |pair: &Pair, pull: &Pull| {
         x = x + pair.round * pull.round.0 + pair.long * pull.long.0 + pair.cross * pull.cross.1;
         y = y + pair.round * pull.round.1 - pair.long * pull.long.1 + pair.cross * pull.cross.0;
+    };
+    // as many pulls as pairs at most
+    let ((rounds, rest), (fours, last)) = (row.get(..pulls.len()).unwrap_or(row).as_chunks(), pulls.as_chunks());
+    for ([a, b, c, d], [e, f, g, h]) in rounds.iter().zip(fours) {
+        pulled(a, e);
+        pulled(b, f);
+        pulled(c, g);
+        pulled(d, h);
+    }
+    for (pair, pull) in rest.iter().zip(last) {
+        pulled(pair, pull);
     }
     (x, y)
 }
