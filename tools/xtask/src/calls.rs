@@ -167,7 +167,10 @@ struct Walk {
 }
 
 /// Runs one of LLVM's tools on an image; installs them where they are missing and that is possible.
-fn tool(name: &str, options: &[&str], image: &Path) -> Result<String> {
+///
+/// # Errors
+/// When the tool is missing, or does not end well.
+pub fn tool(name: &str, options: &[&str], image: &Path) -> Result<String> {
     let program = format!("llvm-{name}");
     if run::ask(&program, &["--version"]).is_none() {
         run::install(&[PACKAGE])?;

@@ -11,6 +11,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
+use crate::arithmetic;
 use crate::counting;
 use crate::m7_counts::{self, Counted};
 use crate::m7_device;
@@ -63,9 +64,18 @@ pub fn run() -> Result<ExitCode> {
     println!("debug, release, Cortex-M7: {}", recordings.check(&written)?);
     let looked = Looked::at(&toolchain, &image)?;
     looked.check()?;
+    let instructions = arithmetic_of(&m7_image::with_core(TARGET, &image))?;
+    println!(
+        "of {instructions} instructions of images with the core none is fused or an estimate, nothing calls a platform's mathematics"
+    );
     let used = m7_device::session(TARGET, &image, &m7_device::Args::default())?;
     looked.memory.check_device(used)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Instructions of the images, none of which may cost bits.
+fn arithmetic_of(images: &[PathBuf]) -> Result<usize> {
+    images.iter().map(|image| arithmetic::check(image)).sum()
 }
 
 /// Only what ticks cost: compared with the tables, or kept in them.

@@ -63,6 +63,11 @@ pub fn looked_at(target: &str, folder: &Path) -> Images {
     Images { paths: [image(target, folder, COUNTS), image(target, folder, m7_device::IMAGE), image(PC, folder, COUNTS)] }
 }
 
+/// The images that hold the core, on the Cortex-M7 and on a PC.
+pub fn with_core(target: &str, folder: &Path) -> [PathBuf; 3] {
+    [image(target, folder, SESSION), image(target, folder, REPLAY), image(PC, folder, COUNTS)]
+}
+
 /// Runs the counting image and yields what it says.
 ///
 /// # Errors

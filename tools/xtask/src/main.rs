@@ -2,6 +2,8 @@
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags, reason = "help texts carry units and choices in brackets")]
 #![forbid(unsafe_code)]
 
+mod arithmetic;
+mod bits;
 mod calls;
 mod ci;
 #[path = "../../../tests/support/counts.rs"]
@@ -58,6 +60,10 @@ enum Cli {
         #[command(subcommand)]
         only: Option<M7>,
     },
+    /// Computes recordings again in a debug build, a release and one for this very processor, compares the digest of every tick, and looks for fused multiply-adds and
+    /// the platform's mathematics in the image
+    #[command(after_help = "Example: cargo xtask bits")]
+    Bits,
     /// Counts the instructions of a tick, scene by scene, and writes tests/bench/COUNTS.md
     #[command(after_help = "Example: cargo xtask counts")]
     Counts,
@@ -154,6 +160,7 @@ fn main() -> ExitCode {
         Cli::M7 { only: None } => m7::run(),
         Cli::M7 { only: Some(M7::Device(args)) } => m7::device(&args),
         Cli::M7 { only: Some(M7::Costs { accept }) } => m7::costs(accept),
+        Cli::Bits => bits::run(),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
         Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),

@@ -1,12 +1,13 @@
 //! One motion recorded by every build: the tool in debug and in release, and the image on the emulated Cortex-M7. Every build's recording must be verified by the
-//! others', and the files are the same to the byte.
+//! others', and the files are the same to the byte. And the dearest inputs that are known, of every ready scene in every tier, as recordings.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use crate::run;
+use crate::run::{self, root};
+use crate::worst::{Kept, rows, table_file};
 
 /// The motion that is recorded: press, twist, slide.
 const SCENE: &str = "tests/scenes/cube-twist";
@@ -28,9 +29,7 @@ impl Recordings {
         let files = ["debug", "release", "cortex-m7"].map(|name| folder.join(format!("{name}.haptor")));
         let tools = [run::tool()?, run::release_tool()?];
         for (tool, file) in tools.iter().zip(&files) {
-            let (scene, trajectory) = (format!("{SCENE}.toml"), format!("{SCENE}.csv"));
-            let mut command = run::program(tool);
-            run::run(command.args(["record", &scene, "--trajectory", &trajectory, "-o"]).arg(file))?;
+            record(tool, &root().join(format!("{SCENE}.toml")), &format!("{SCENE}.csv"), file)?;
         }
         Ok(Self { tools, files })
     }
@@ -59,5 +58,53 @@ impl Recordings {
             }
         }
         Ok(format!("{} recordings of {} kB, the same to the byte", self.files.len(), expected.len() / 1024))
+    }
+}
+
+/// Records every known input in its tier.
+///
+/// # Errors
+/// When there are none, or one cannot be recorded.
+pub fn known_inputs(tool: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    let table = fs::read_to_string(table_file(root())).context("the table of known inputs")?;
+    let inputs = rows(&table);
+    if inputs.is_empty() {
+        bail!("{} has no inputs", table_file(root()).display());
+    }
+    inputs.iter().map(|input| known_input(tool, folder, input)).collect()
+}
+
+fn known_input(tool: &Path, folder: &Path, input: &Kept) -> Result<PathBuf> {
+    let name = Path::new(&input.input()).file_stem().context("an input has a name")?.to_owned();
+    let (scene, file) = (folder.join(&name).with_extension("toml"), folder.join(&name).with_extension("haptor"));
+    let text = fs::read_to_string(root().join(input.scene_file())).with_context(|| input.scene_file())?;
+    fs::write(&scene, in_tier(&text, input.tier(), input.samples())?).with_context(|| format!("{}", scene.display()))?;
+    record(tool, &scene, &input.input(), &file)?;
+    Ok(file)
+}
+
+fn record(tool: &Path, scene: &Path, trajectory: &str, file: &Path) -> Result<()> {
+    run::run(run::program(tool).arg("record").arg(scene).args(["--trajectory", trajectory, "-o"]).arg(file))
+}
+
+/// A scene's text with another tier.
+fn in_tier(scene: &str, tier: &str, samples: u16) -> Result<String> {
+    let given = |line: &&str| !["tier =", "samples ="].iter().any(|key| line.starts_with(key));
+    let (before, after) = scene.split_once("[model]\n").context("the scene has no section [model]")?;
+    let rest: String = after.lines().filter(given).flat_map(|line| [line, "\n"]).collect();
+    Ok(format!("{before}[model]\ntier = \"{tier}\"\nsamples = {samples}\n{rest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_gets_another_tier_and_keeps_the_rest() {
+        let scene = "[object]\nshape = \"box\"\n\n[model]\ntier = \"bristle\"\nsamples = 64\nsweeps = 4\n";
+        let expected = "[object]\nshape = \"box\"\n\n[model]\ntier = \"point\"\nsamples = 52\nsweeps = 4\n";
+        assert_eq!(in_tier(scene, "point", 52).unwrap(), expected);
+        assert!(in_tier("[object]\n", "point", 52).is_err());
     }
 }

@@ -72,7 +72,13 @@ impl Verifier {
         Ok(())
     }
 
-    /// What came out so far.
+    /// What came out of the records taken so far; why there is no scene is only known at the end.
+    #[must_use]
+    pub const fn so_far(&self) -> &Verdict {
+        &self.verdict
+    }
+
+    /// What came out.
     #[must_use]
     pub fn verdict(mut self) -> Verdict {
         self.leave_scene();
