@@ -11,6 +11,7 @@ mod counting;
 mod counts;
 mod demo;
 mod docs;
+mod fuzz;
 mod golden;
 #[path = "../../../tests/support/growth.rs"]
 mod growth;
@@ -70,6 +71,11 @@ enum Cli {
     /// Searches the dearest ticks of the ready scenes, times them, and writes tests/bench/TIMING.md, WORST.md and the inputs
     #[command(after_help = "Example: cargo xtask timing --kept")]
     Timing(timing::Args),
+    /// Feeds what reads bytes from outside with bytes nobody would send, by libFuzzer
+    #[command(
+        after_help = "Example: cargo xtask fuzz --seconds 60\n         cargo xtask fuzz mesh_ply --seconds 3600 --keep\n         cargo xtask fuzz mesh_ply --input crash-1f"
+    )]
+    Fuzz(fuzz::Args),
     /// Runs host and simulated device over USB on a real-time kernel in an emulator; with the drills, unplugs, halts and damages
     #[command(after_help = "Example: cargo xtask guest --drills --seconds 3\n         cargo xtask guest --latency --seconds 20")]
     Guest {
@@ -163,6 +169,7 @@ fn main() -> ExitCode {
         Cli::Bits => bits::run(),
         Cli::Counts => counts::run(),
         Cli::Timing(args) => timing::run(&args),
+        Cli::Fuzz(args) => fuzz::run(&args),
         Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),
         Cli::Guest { seconds, drills: true, accept, .. } => guest::run(seconds, guest::What::Drills, accept),
         Cli::Guest { seconds, accept, .. } => guest::run(seconds, guest::What::Sessions, accept),

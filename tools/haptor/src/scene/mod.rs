@@ -7,6 +7,8 @@ mod bake;
 mod body;
 mod coupling;
 mod document;
+#[cfg(test)]
+mod kept_inputs;
 mod settings;
 mod skin;
 
