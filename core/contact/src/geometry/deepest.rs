@@ -52,7 +52,8 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::Box { size }, _) => {
             let found = descend(object, part, x_wa);
             let support = |d: Vec3| support_in_world(part, x_wa, d);
-            faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), support).unwrap_or(found)
+            let under = faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), support);
+            deeper(object, found, under)
         }
         (ObjectShape::Cylinder { radius, height }, _) => {
             let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
@@ -109,6 +110,13 @@ fn at(object: &ObjectShape<'_>, point: Vec3) -> Deepest {
     Deepest { point, gap: gap(object, point) }
 }
 
+/// What a search over the faces found, unless descent is clearly deeper: of two that are as deep the search's normal is the surer.
+fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<Vec3>) -> Deepest {
+    let Some(point) = under else { return found };
+    let other = at(object, point);
+    if other.gap.distance <= found.gap.distance + faces::SETTLED * found.gap.distance.abs() { other } else { found }
+}
+
 fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
     x_wa.point(support(&part.shape, x_wa.rotation.conjugate() * d_w))
 }
@@ -128,6 +136,11 @@ fn descend(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, Pa
     let mut best = at(object, support_in_world(part, x_wa, -here.gap.normal));
     if best.gap.distance > here.gap.distance {
         core::mem::swap(&mut best, &mut here);
+    }
+    // a convex distance lies above its tangent plane: no point of the part is deeper than the farthest one against the normal makes it
+    let farthest = support_in_world(part, x_wa, -best.gap.normal);
+    if best.gap.normal.dot(best.point - farthest) <= ROUNDING * size {
+        return best;
     }
     let mut length = 64.0 * size;
     for _ in 0..DESCENT_STEPS {

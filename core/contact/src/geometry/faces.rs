@@ -1,21 +1,25 @@
-//! The deepest point of a part under an edge or a corner of a box, where the faces share the depth.
+//! The deepest point of a part under an edge or a corner of a box, or under the rim of a cylinder, where the faces share the depth.
 //!
 //! The depth (sum s_i^-4)^(-1/4) of the slacks s_i is the least of sum w_i s_i over the weights with sum w_i^(4/5) = 1. The deepest point of a
 //! convex part is therefore the least, over the weights, of sum w_i h_i + (the part's support against sum w_i n_i): a search over one share at an
-//! edge and two at a corner instead of over the part, which finds the normal on flats too (theory.md, equation 2.6). With t_i = w_i^(4/5) the shares
-//! sum to 1, and the slope along t_i is 5/4 t_i^(1/4) s_i, s_i the slack of the support point.
+//! edge and two at a corner instead of over the part, which finds the normal on flats too (theory.md, equation 2.6). With w_i ~ r_i^5 the **roots** r_i need no
+//! norm, and at the least the **moments** r_i s_i of the support point are even. Under a rim the shares t_i = w_i^(4/5) are halved on the sign of the slope, 5/4 t_i^(1/4) s_i.
 
 use glam::Vec3;
 
 use crate::geometry::deepest::Deepest;
 use crate::geometry::gap::Gap;
+use crate::geometry::share::Share;
 use crate::math::{clamp, direction, max, root};
 
-/// Halvings of a share: to 1e-5, with which a flat of 40 mm leans by less than a micrometre.
-const EDGE_STEPS: usize = 17;
+/// Trials of a share, at most: secants on smooth parts, ties of two corners on flats.
+const EDGE_STEPS: usize = 16;
 
-/// Halvings of the third share at a corner.
-const CORNER_STEPS: usize = 12;
+/// Trials of the third root at a corner: secants, then halvings.
+const CORNER_STEPS: usize = 16;
+
+/// Trials of these that are secants.
+const CORNER_SECANTS: usize = 4;
 
 /// A face farther than this many depths has a weight below 1e-3: descent finds such points, and the bound proves it.
 const FARTHEST: f32 = 4.0;
@@ -27,7 +31,19 @@ const CLEAR: f32 = 8.0;
 const MISSED: f32 = 0.25;
 
 /// Share of its depth by which a point may miss the deepest.
-const SETTLED: f32 = 1.0e-3;
+pub const SETTLED: f32 = 1.0e-3;
+
+/// Rounding of a slack, as a share of the object.
+const ROUNDING: f32 = 2.0e-8;
+
+/// Trials before the first tie: on smooth parts secants alone are faster.
+const FIRST_TIE: usize = 3;
+
+/// Relative difference of two moments that counts as none.
+const LEVEL: f32 = 1.0e-6;
+
+/// Distance at which two support points are one, as a share of the object.
+const SAME: f32 = 2.0e-7;
 
 /// A box about its centre, the signs of the three faces that are near, and the support of the part in the box's frame.
 struct Search<F> {
@@ -36,18 +52,23 @@ struct Search<F> {
     support: F,
 }
 
-/// One trial: the weights and the support point against them.
+/// One trial: the roots of the weights and the support point against them.
 #[derive(Clone, Copy)]
 struct Trial {
-    shares: Vec3,
-    weights: Vec3,
+    roots: Vec3,
     point: Vec3,
     slack: Vec3,
 }
 
+impl Trial {
+    fn moments(&self) -> Vec3 {
+        self.roots * self.slack
+    }
+}
+
 /// The deepest point, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
 /// `reach` is the radius of the ball that holds the part \[m\]. `None` where the one given is right: away from edges, with a bound on its depth that proves it.
-pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
+pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Vec3> {
     let place = at.point - centre;
     let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
     let search = Search { half, sign, support: |d: Vec3| support(d) - centre };
@@ -55,9 +76,8 @@ pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: i
     if search.is_settled(slack, depth, reach) {
         return None;
     }
-    let found = search.over_two(depth).unwrap_or_else(|| search.over());
-    let normal = direction(found.weights * sign, Vec3::Z);
-    Some(Deepest { point: found.point + centre, gap: Gap { distance: -found.weights.dot(found.slack), normal } })
+    let found = search.over_two(slack, depth).unwrap_or_else(|| search.over(slack));
+    Some(found.point + centre)
 }
 
 impl<F: Fn(Vec3) -> Vec3> Search<F> {
@@ -77,61 +97,118 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         bound - depth <= SETTLED * depth
     }
 
-    /// Over two shares, where the whole part keeps clear of the third face.
-    fn over_two(&self, depth: f32) -> Option<Trial> {
+    /// Over two faces, where the whole part keeps clear of the third.
+    fn over_two(&self, slack: Vec3, depth: f32) -> Option<Trial> {
         let clear = |axis: Vec3| (self.half - self.sign * (self.support)(self.sign * axis)).dot(axis) > CLEAR * depth;
         let pairs = [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)];
         let (first, second, _) = pairs.into_iter().find(|&(_, _, third)| depth > 0.0 && clear(third))?;
-        Some(self.split(first, second, 1.0, Vec3::ZERO))
+        Some(self.split([first, second], Vec3::ZERO, even(slack.dot(first), slack.dot(second))))
     }
 
-    /// Over all shares: the third by its slope against the best split of the rest.
-    fn over(&self) -> Trial {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..CORNER_STEPS {
-            let up = 0.5 * (low + high);
-            let trial = self.split(Vec3::X, Vec3::Y, 1.0 - up, Vec3::Z * up);
-            let slope = trial.slopes();
-            let level = (slope.x * trial.shares.x + slope.y * trial.shares.y) / (1.0 - up);
-            if slope.z > level { high = up } else { low = up }
-        }
-        let up = 0.5 * (low + high);
-        self.split(Vec3::X, Vec3::Y, 1.0 - up, Vec3::Z * up)
-    }
-
-    /// Best split of the share `whole` between two faces, the rest being given.
-    fn split(&self, first: Vec3, second: Vec3, whole: f32, rest: Vec3) -> Trial {
-        let (mut low, mut high) = (0.0, 1.0);
-        let (mut before, mut after) = (None, None);
-        let shares = |share: f32| rest + (first * share + second * (1.0 - share)) * whole;
-        let lead = |slope: Vec3| slope.dot(first) - slope.dot(second);
-        for _ in 0..EDGE_STEPS {
-            let share = 0.5 * (low + high);
-            let trial = self.trial(shares(share));
-            if lead(trial.slopes()) > 0.0 {
-                (high, after) = (share, Some(trial.point));
-            } else {
-                (low, before) = (share, Some(trial.point));
+    /// Over all: the third root by its moment against that of the best split of the rest.
+    fn over(&self, slack: Vec3) -> Trial {
+        let guess = even(slack.x, slack.y);
+        let split = |up: f32| self.split([Vec3::X, Vec3::Y], Vec3::Z * up, guess);
+        let terms = |trial: &Trial| (trial.moments().z, level(trial));
+        let mut up = Share::new(0.0, 1.0);
+        for step in 0..CORNER_STEPS {
+            let at = if step < CORNER_SECANTS { up.next(0.5) } else { up.middle() };
+            let trial = split(at);
+            let (one, two) = terms(&trial);
+            up.take(at, one - two, trial);
+            if is_even(one, two, self.half.max_element()) {
+                return trial;
             }
         }
-        let last = self.trial(shares(0.5 * (low + high)));
-        let (Some(before), Some(after)) = (before, after) else { return last };
-        let at = |point: Vec3| lead(self.seen(last.shares, last.weights, point).slopes());
-        self.seen(last.shares, last.weights, between(before, at(before), after, at(after)))
+        let last = split(up.next(0.5));
+        self.between(&up, last, |trial| terms(trial).0 - terms(trial).1)
     }
 
-    fn trial(&self, shares: Vec3) -> Trial {
-        let weights = shares * shares.map(|t| root(root(t)));
-        self.seen(shares, weights, (self.support)(-(weights * self.sign)))
+    /// Best split between two faces of what the root of the third leaves, from a guess of the first one's share.
+    fn split(&self, [first, second]: [Vec3; 2], rest: Vec3, guess: f32) -> Trial {
+        let whole = 1.0 - rest.element_sum();
+        let roots = |share: f32| rest + (first * share + second * (1.0 - share)) * whole;
+        let terms = |trial: &Trial| (trial.moments().dot(first), trial.moments().dot(second));
+        let lead = |trial: &Trial| terms(trial).0 - terms(trial).1;
+        let mut share = Share::<Trial>::new(0.0, 1.0);
+        let mut at = share.next(guess);
+        let mut last = self.trial(roots(at));
+        for step in 0..EDGE_STEPS {
+            let (one, two) = terms(&last);
+            share.take(at, one - two, last);
+            if is_even(one, two, self.half.max_element()) {
+                return last;
+            }
+            let tie = if is_tied(step) { share.tie(|at| self.more(&share, roots(at))) } else { None };
+            at = tie.unwrap_or_else(|| share.next(even(last.slack.dot(first), last.slack.dot(second))));
+            last = self.trial(roots(at));
+            let ended = |(before, after)| self.is_same(&before, &last) || self.is_same(&after, &last);
+            if tie.is_some() && share.ends().is_some_and(ended) {
+                break;
+            }
+        }
+        self.between(&share, last, lead)
     }
 
-    fn seen(&self, shares: Vec3, weights: Vec3, point: Vec3) -> Trial {
-        Trial { shares, weights, point, slack: self.half - self.sign * point }
+    /// How much farther the support point before the change of sign lies than the one after, against these roots.
+    fn more(&self, share: &Share<Trial>, roots: Vec3) -> f32 {
+        share.ends().map_or(0.0, |(before, after)| fifth(roots).dot(before.slack - after.slack))
+    }
+
+    fn is_same(&self, one: &Trial, two: &Trial) -> bool {
+        (one.slack - two.slack).abs().max_element() <= SAME * self.half.max_element()
+    }
+
+    /// At the last roots, the point between the two ends at which the lead vanishes: where a flat lies on the normal, the support jumps from end to end.
+    fn between(&self, share: &Share<Trial>, last: Trial, lead: impl Fn(&Trial) -> f32) -> Trial {
+        let Some((before, after)) = share.ends() else { return last };
+        let at = |point: Vec3| lead(&self.seen(last.roots, point));
+        self.seen(last.roots, between(before.point, at(before.point), after.point, at(after.point)))
+    }
+
+    fn trial(&self, roots: Vec3) -> Trial {
+        self.seen(roots, (self.support)(-(fifth(roots) * self.sign)))
+    }
+
+    fn seen(&self, roots: Vec3, point: Vec3) -> Trial {
+        Trial { roots, point, slack: self.half - self.sign * point }
     }
 }
 
-/// The point between two support points at which a slope that is `a` at one and `b` at the other vanishes: where a flat lies on the normal, the
-/// support jumps from end to end, and the deepest point lies between them.
+/// Mean moment of the first two faces, by their shares: where one has none, it is the other's.
+fn level(trial: &Trial) -> f32 {
+    let (moments, squares) = (trial.moments(), trial.roots * trial.roots);
+    let shares = squares * squares;
+    (moments.x * shares.x + moments.y * shares.y) / max(shares.x + shares.y, f32::MIN_POSITIVE)
+}
+
+/// True for moments that are the same to rounding, at an object of this size: on smooth parts the search ends there.
+fn is_even(one: f32, two: f32, size: f32) -> bool {
+    (one - two).abs() <= LEVEL * max(one.abs(), two.abs()) + ROUNDING * size
+}
+
+/// True for a trial after which the tie of the two ends is tried, which ends a search on flats; the others are secants.
+fn is_tied(step: usize) -> bool {
+    step >= FIRST_TIE && step % 2 == 1
+}
+
+/// The first of two shares whose moments are even for these slacks.
+fn even(one: f32, two: f32) -> f32 {
+    if one > 0.0 && two > 0.0 {
+        two / (one + two)
+    } else if one < two {
+        1.0
+    } else {
+        0.0
+    }
+}
+
+fn fifth(roots: Vec3) -> Vec3 {
+    let squares = roots * roots;
+    squares * squares * roots
+}
+
+/// The point between two support points at which a lead that is `a` at one and `b` at the other vanishes.
 fn between(p: Vec3, a: f32, q: Vec3, b: f32) -> Vec3 {
     let share = if a < b { clamp(b / (b - a), 0.0, 1.0) } else { 0.5 };
     p * share + q * (1.0 - share)
@@ -145,6 +222,9 @@ struct Rim<F> {
     out: Vec3,
     support: F,
 }
+
+/// Halvings of the share of the side: to 1e-5, with which a flat of 40 mm leans by less than a micrometre.
+const SIDE_STEPS: usize = 17;
 
 /// Halvings of the direction across the axis, within [`WIDEST_TURN`] of the one found.
 const TURN_STEPS: usize = 12;
@@ -200,7 +280,7 @@ impl<F: Fn(Vec3) -> Vec3> Rim<F> {
             let (to_side, to_end) = self.slacks(out, point);
             root(root(share)) * to_side - root(root(1.0 - share)) * to_end
         };
-        for _ in 0..EDGE_STEPS {
+        for _ in 0..SIDE_STEPS {
             let share = 0.5 * (low + high);
             let (out, point) = self.turned(share);
             if lead(share, out, point) > 0.0 {
@@ -244,11 +324,4 @@ impl<F: Fn(Vec3) -> Vec3> Rim<F> {
 /// Weight of a share.
 fn weight_of(share: f32) -> f32 {
     share * root(root(share))
-}
-
-impl Trial {
-    /// Slopes along the shares, over 5/4.
-    fn slopes(&self) -> Vec3 {
-        self.shares.map(|t| root(root(max(t, 0.0)))) * self.slack
-    }
 }

@@ -10,5 +10,6 @@ pub mod faces;
 pub mod field;
 pub mod gap;
 pub mod outline;
+pub mod share;
 pub mod slice;
 pub mod support;
