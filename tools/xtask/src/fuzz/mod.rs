@@ -59,7 +59,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     folders.build(&names)?;
     if let Some(input) = &args.input {
         let [name] = names.as_slice() else { bail!("an input is for one target: name it") };
-        run::run(&mut folders.program(name, input))?;
+        // targets run in a folder of their own
+        let input = std::path::absolute(input).context("the path of the input")?;
+        std::fs::create_dir_all(&folders.work).with_context(|| format!("{} cannot be made", folders.work.display()))?;
+        run::run(&mut folders.program(name, &input))?;
         return Ok(ExitCode::SUCCESS);
     }
     run::run(Command::new(folders.programs.join("seeds")).arg(folders.work.join("seeds")))?;
