@@ -1,5 +1,5 @@
-//! Computes a recording again on a Cortex-M7: reads the poses of the one that it was built with, answers each with the engine that the host runs, and writes a recording
-//! of its own to the emulator's standard output over semihosting.
+//! Computes recordings again on a Cortex-M7: reads the poses of the file that it was built with, one recording after the other, answers each with the engine that the host runs,
+//! and writes a file of its own to the emulator's standard output over semihosting.
 //!
 //! No heap, no operating system. What it says in words goes to standard error. The emulator ends with success only if every tick came out as recorded, to the bit.
 #![no_std]
@@ -57,37 +57,29 @@ fn main() -> ! {
     }
 }
 
-/// The whole recording; yields its ticks.
+/// The whole file, one recording after the other; yields its ticks.
 fn session() -> Result<u32, Failure> {
     // reading a recording decodes it onto itself, so it is copied into memory
     let recording: &'static mut [u8; LENGTH] =
         cortex_m::singleton!(: [u8; LENGTH] = *include_bytes!(env!("HAPTOR_RECORDING"))).ok_or("begun twice")?;
     let mut out = hio::hstdout().map_err(|()| "no standard output")?;
     let mut reader = RecordReader::new(recording);
-    let (header, scene) = beginning(&mut reader, &mut out)?;
-    let setup = Setup::new(&scene).map_err(|_| "the scene is refused")?;
-    let bodies = Bodies::new(&scene, &NoMeshes, None).map_err(|_| "the scene needs more than shapes")?;
-    let mut engine = Engine::new(&setup, &bodies).map_err(|_| "the scene is refused")?;
-    let mut follower = Follower::new(&header);
-    let mut ticks = 0;
-    for record in reader {
-        let record = record.map_err(|_| "the recording is damaged")?;
-        let step = follower.take(&mut engine, &record);
-        let (Record::Tick(asked), Step::Felt(felt, sure)) = (record, step) else {
-            write(&record, &mut out)?;
-            continue;
-        };
-        write(&Record::Tick(answered(&asked, &felt)), &mut out)?;
-        sure.map_err(|_| "the recording does not say what the core remembered")?;
-        compare(&asked, &felt).map_or(Ok(()), |difference| Err(Failure::Differs(difference)))?;
-        ticks += 1;
+    let (mut ticks, mut next) = (0, None);
+    while let Some((header, scene)) = beginning(&mut reader, next, &mut out)? {
+        let computed;
+        (computed, next) = ticks_of(&mut reader, &header, &scene, &mut out)?;
+        ticks += computed;
     }
     if ticks == 0 { Err("no ticks in the recording".into()) } else { Ok(ticks) }
 }
 
-/// Header and scene; both are passed on.
-fn beginning(reader: &mut RecordReader<'_>, out: &mut HostStream) -> Result<(RecordHeader, BakedScene), Failure> {
-    let (mut header, mut file) = (None, Vec::<u8, FILE_MAX>::new());
+/// Header and scene; both are passed on. The header may have been read already; `None` at the end of the file.
+fn beginning(
+    reader: &mut RecordReader<'_>,
+    mut header: Option<RecordHeader>,
+    out: &mut HostStream,
+) -> Result<Option<(RecordHeader, BakedScene)>, Failure> {
+    let mut file = Vec::<u8, FILE_MAX>::new();
     for record in reader {
         let record = record.map_err(|_| "the recording is damaged")?;
         write(&record, out)?;
@@ -96,13 +88,43 @@ fn beginning(reader: &mut RecordReader<'_>, out: &mut HostStream) -> Result<(Rec
             (Record::Scene(chunk), Some(header)) => {
                 file.extend_from_slice(chunk.bytes).map_err(|_| "the scene carries more than shapes")?;
                 if file.len() == header.scene_bytes as usize {
-                    return Ok((header, decode_file(&file).map_err(|_| "the scene cannot be read")?));
+                    return Ok(Some((header, decode_file(&file).map_err(|_| "the scene cannot be read")?)));
                 }
             }
             _ => {}
         }
     }
-    Err("the recording has no scene".into())
+    if header.is_some() { Err("the recording has no scene".into()) } else { Ok(None) }
+}
+
+/// Computes the ticks of a scene again, up to the header of the next one, which is passed on; yields how many, and that header.
+fn ticks_of(
+    reader: &mut RecordReader<'_>,
+    header: &RecordHeader,
+    scene: &BakedScene,
+    out: &mut HostStream,
+) -> Result<(u32, Option<RecordHeader>), Failure> {
+    let setup = Setup::new(scene).map_err(|_| "the scene is refused")?;
+    let bodies = Bodies::new(scene, &NoMeshes, None).map_err(|_| "the scene needs more than shapes")?;
+    let mut engine = Engine::new(&setup, &bodies).map_err(|_| "the scene is refused")?;
+    let mut follower = Follower::new(header);
+    let mut ticks = 0;
+    for record in reader {
+        let record = record.map_err(|_| "the recording is damaged")?;
+        let step = follower.take(&mut engine, &record);
+        let (Record::Tick(asked), Step::Felt(felt, sure)) = (record, step) else {
+            write(&record, out)?;
+            if let Record::Header(next) = record {
+                return Ok((ticks, Some(next)));
+            }
+            continue;
+        };
+        write(&Record::Tick(answered(&asked, &felt)), out)?;
+        sure.map_err(|_| "the recording does not say what the core remembered")?;
+        compare(&asked, &felt).map_or(Ok(()), |difference| Err(Failure::Differs(difference)))?;
+        ticks += 1;
+    }
+    Ok((ticks, None))
 }
 
 fn write(record: &Record<'_>, out: &mut HostStream) -> Result<(), Failure> {

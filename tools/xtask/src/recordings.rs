@@ -1,5 +1,5 @@
-//! One motion recorded by every build: the tool in debug and in release, and the image on the emulated Cortex-M7. Every build's recording must be verified by the
-//! others', and the files are the same to the byte. And the dearest inputs that are known, of every ready scene in every tier, as recordings.
+//! Motions recorded by every build: the tool in debug and in release, and the image on the emulated Cortex-M7. They are one motion of a person's, and the dearest inputs of
+//! every ready scene in every tier that are known. Every build's recordings must be verified by the others', and the files are the same to the byte.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use anyhow::{Context, Result, bail};
 use crate::run::{self, root};
 use crate::worst::{Kept, rows, table_file};
 
-/// The motion that is recorded: press, twist, slide.
+/// The motion that is recorded at length: press, twist, slide.
 const SCENE: &str = "tests/scenes/cube-twist";
 
-/// The recordings, and the tools that verify them.
+/// The recordings, one file a build, and the tools that verify them.
 pub struct Recordings {
     tools: [PathBuf; 2],
     /// In debug, in release, on the Cortex-M7.
@@ -29,7 +29,13 @@ impl Recordings {
         let files = ["debug", "release", "cortex-m7"].map(|name| folder.join(format!("{name}.haptor")));
         let tools = [run::tool()?, run::release_tool()?];
         for (tool, file) in tools.iter().zip(&files) {
-            record(tool, &root().join(format!("{SCENE}.toml")), &format!("{SCENE}.csv"), file)?;
+            let motion = folder.join("motion.haptor");
+            record(tool, &root().join(format!("{SCENE}.toml")), &format!("{SCENE}.csv"), &motion)?;
+            let mut whole = Vec::new();
+            for part in [vec![motion], known_inputs(tool, folder)?].concat() {
+                whole.extend(fs::read(&part).with_context(|| format!("{}", part.display()))?);
+            }
+            fs::write(file, whole).with_context(|| format!("{} cannot be written", file.display()))?;
         }
         Ok(Self { tools, files })
     }
@@ -57,7 +63,7 @@ impl Recordings {
                 bail!("{} and {} are not the same to the byte", first.display(), file.display());
             }
         }
-        Ok(format!("{} recordings of {} kB, the same to the byte", self.files.len(), expected.len() / 1024))
+        Ok(format!("{} files of recordings, {} kB each, the same to the byte", self.files.len(), expected.len() / 1024))
     }
 }
 
