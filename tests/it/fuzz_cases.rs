@@ -51,3 +51,22 @@ fn a_damaged_checksum_is_mended() {
     assert!(decode_file(&file[..length]).is_err());
     assert_eq!(decode_file(&targets::mend::baked_scene(&file[..length])), Ok(scene));
 }
+
+/// A table is longer than an input: from its beginning mending makes one that the core takes.
+#[test]
+fn a_table_is_made_whole() {
+    use haptor_engine::Scene;
+    use haptor_wire::scene_file::{FILE_MAX, encode_file};
+    use haptor_wire::sections::GREEN;
+    use haptor_wire::{BakedScene, ObjectShape, Tier};
+
+    let scene = BakedScene { tier: Tier::Green, samples: 52, ..BakedScene::ball_on(ObjectShape::Box { size: [0.1; 3] }) };
+    let mut file = vec![0; FILE_MAX];
+    let length = encode_file(&scene, &mut file).unwrap();
+    file.truncate(length);
+    let head = [0.0_f32, 0.0, 0.05, 0.05, 0.05, 0.05, 0.01, 9.0, 1.0e-5];
+    file.extend(GREEN.to_le_bytes().into_iter().chain(36_u32.to_le_bytes()));
+    file.extend(head.iter().flat_map(|number| number.to_le_bytes()).chain([0; 4]));
+    assert!(Scene::read(&file).is_err());
+    assert!(Scene::read(&targets::mend::baked_scene(&file)).is_ok());
+}

@@ -10,7 +10,7 @@ use haptor_mesh::kept::Keep;
 use haptor_mesh::{BakeSpec, DVec3, Mesh, save_as, tessellate};
 use haptor_wire::recording::{Chunk, FRAME_MAX};
 use haptor_wire::scene_file::{FILE_MAX, digest, encode_file};
-use haptor_wire::sections::{GRID, SECTION_OVERHEAD, encode_section};
+use haptor_wire::sections::{GREEN, GRID, SECTION_OVERHEAD, encode_section};
 use haptor_wire::viewer::NO_TOKEN;
 use haptor_wire::{
     Ask, BakedScene, Coupling, ForceLaw, FromViewer, HostHello, Mode, ObjectShape, PROTOCOL_VERSION, Passivity, Place, Record,
@@ -47,7 +47,7 @@ const TICKS: u16 = 12;
 /// When one is not good any more.
 pub fn write(folder: &Path) -> io::Result<()> {
     let scenes = scenes();
-    let files: Vec<_> = scenes.iter().map(baked).chain([with_mesh()]).collect();
+    let files: Vec<_> = scenes.iter().map(baked).chain([with_mesh(), with_table()]).collect();
     let meshes = [tessellate::cuboid(DVec3::splat(0.02)), tessellate::cone(0.01, 0.02, 8)];
     let saved = |extension| meshes.iter().map(move |mesh| save_as(mesh, Some(extension)).expect("a known format")).collect();
     let all: [(&str, Vec<Vec<u8>>); 9] = [
@@ -150,12 +150,25 @@ fn with_mesh() -> Vec<u8> {
     let recipe = Recipe { scale: 1.0, role: Role::Object, mend: false, bake: COARSE };
     let body = make(&tessellate::cuboid(DVec3::splat(0.1)), &recipe, &mut |_| {}).expect("a cube is a body");
     for part in &body.parts {
-        let contents = grid_contents(&part.baked);
-        let mut section = vec![0; contents.len() + SECTION_OVERHEAD];
-        let length = encode_section(GRID, &contents, &mut section).expect("a coarse grid fits a section");
-        file.extend(&section[..length]);
+        file.extend(section(GRID, &grid_contents(&part.baked)));
     }
     file
+}
+
+/// A scene with the beginning of a body's table; mending makes it whole.
+fn with_table() -> Vec<u8> {
+    let scene = BakedScene { tier: Tier::Green, samples: 52, ..BakedScene::ball_on(ObjectShape::Box { size: [0.1; 3] }) };
+    // centre, half extents, radius of the discs, nodes along an edge; own moves by unit loads
+    let head = [0.0, 0.0, 0.05, 0.05, 0.05, 0.05, 0.01, 3.0];
+    let own: [f32; 16] = std::array::from_fn(|i| if i % 5 == 0 { 1.0e-5 } else { 0.0 });
+    let contents: Vec<u8> = head.iter().chain(&own).flat_map(|number| number.to_le_bytes()).collect();
+    [baked(&scene), section(GREEN, &contents)].concat()
+}
+
+fn section(kind: u32, contents: &[u8]) -> Vec<u8> {
+    let mut section = vec![0; contents.len() + SECTION_OVERHEAD];
+    encode_section(kind, contents, &mut section).expect("it fits a section");
+    section
 }
 
 fn kept(mesh: &Mesh) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use haptor_wire::frame::CRC32;
 use haptor_wire::recording::{Chunk, FRAME_MAX};
 use haptor_wire::scene_file::{FILE_MAX, digest, encode_file};
-use haptor_wire::sections::{MAX_SECTIONS, SECTION_OVERHEAD, encode_section};
+use haptor_wire::sections::{GREEN, MAX_SECTIONS, SECTION_OVERHEAD, encode_section};
 use haptor_wire::{BakedScene, PROTOCOL_VERSION, Record, RecordHeader, RecordReader, TOOL_SCHEMA_HASH, encode_stream};
 
 /// Bytes of a checksum.
@@ -14,6 +14,13 @@ const SCENE_HEADER: usize = 18;
 
 /// Bytes of a section before its contents: kind, length.
 const SECTION_HEADER: usize = 8;
+
+/// Bytes of a body's table before the number of nodes along an edge, which is followed by the numbers themselves.
+const TABLE_HEADER: usize = 28;
+
+/// Nodes along an edge at least: 26 places. Each has 16 own moves, and with each, itself too, 16 more.
+const FEWEST_NODES: f32 = 3.0;
+const TABLE_BYTES: usize = 4 * (26 * 16 + 26 * 26 * 16);
 
 /// A stream of frames with the checksum of each put right. What is no frame is taken for a message without one.
 pub fn stream(bytes: &[u8]) -> Vec<u8> {
@@ -79,10 +86,19 @@ pub fn baked_scene(bytes: &[u8]) -> Vec<u8> {
         let Some((head, after)) = rest.split_first_chunk::<SECTION_HEADER>() else { break };
         let [k0, k1, k2, k3, n0, n1, n2, n3] = *head;
         let length = (u32::from_le_bytes([n0, n1, n2, n3]) as usize).min(after.len());
-        out.extend(section(u32::from_le_bytes([k0, k1, k2, k3]), &after[..length]));
+        let kind = u32::from_le_bytes([k0, k1, k2, k3]);
+        out.extend(if kind == GREEN { section(kind, &table(&after[..length])) } else { section(kind, &after[..length]) });
         rest = after.get(length + CRC..).unwrap_or_default();
     }
     out
+}
+
+/// A body's table with the fewest nodes along an edge and as many numbers as those need, its own over and over: whole ones are longer than an input.
+fn table(contents: &[u8]) -> Vec<u8> {
+    let Some((head, rest)) = contents.split_at_checked(TABLE_HEADER) else { return contents.to_vec() };
+    let nodes = FEWEST_NODES.to_le_bytes();
+    let numbers = rest.get(nodes.len()..).filter(|numbers| !numbers.is_empty()).unwrap_or(&[0]);
+    [head, &nodes].concat().into_iter().chain(numbers.iter().copied().cycle().take(TABLE_BYTES)).collect()
 }
 
 fn section(kind: u32, contents: &[u8]) -> Vec<u8> {
