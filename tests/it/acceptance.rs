@@ -274,7 +274,7 @@ fn combined() -> (Inputs, Vec<Known>) {
 }
 
 /// Boundary elements, shift and twist together, every step of every path. Pure paths 2 %, mixed 5 %. `point` has no memory
-/// of where in the contact the traction stands, so that its mixed paths are held only to the limit surface's promise.
+/// of where in the contact the traction stands: its mixed paths are held to 20 %, and to the limit surface.
 #[test]
 fn combined_shift_and_twist() {
     let (inputs, paths) = combined();
@@ -286,14 +286,29 @@ fn combined_shift_and_twist() {
             let found = lead(&mut drive, &units, &path.poses, 20);
             let (drag, torque) = worst(&found, &path.answers);
             println!("{} {tier:?}: {drag:.4} of mu P, {torque:.4} of T_max", path.name);
-            let tolerance = if pure { 0.02 } else { 0.05 };
-            let gated = pure || tier == Tier::Bristle;
-            assert!(!gated || (drag < tolerance && torque < tolerance), "{} {tier:?}: {drag} {torque}", path.name);
+            let mixed = if tier == Tier::Bristle { 0.05 } else { 0.2 };
+            let tolerance = if pure { 0.02 } else { mixed };
+            assert!(drag < tolerance && torque < tolerance, "{} {tier:?}: {drag} {torque}", path.name);
             for answer in found {
                 let used = answer[0].hypot(answer[1]).powf(1.725) + answer[2].abs().powf(1.725);
                 assert!(used < 1.02, "{} {tier:?}: beyond the limit surface, {answer:?}", path.name);
             }
         }
+    }
+}
+
+/// Full slip with v = omega a, the rim as fast as the middle: what slips moves along the normal of the limit surface. Shift in s0, angle in phi0, of which v = omega a takes 8/pi times as many.
+#[test]
+fn full_slip_follows_the_normal_of_the_limit_surface() {
+    let (inputs, _) = combined();
+    let poses: Vec<Shift> =
+        (1..=400).map(|i| 0.02 * f64::from(i)).map(|way| [way, 0.0, way * 8.0 / std::f64::consts::PI]).collect();
+    for tier in TIERS {
+        let mut drive = pressed(ObjectShape::HalfSpace, &inputs, tier);
+        let units = Units::of(&drive, inputs.mu);
+        let found = lead(&mut drive, &units, &poses, 1)[poses.len() - 1];
+        println!("{tier:?}: {found:?}");
+        assert!((found[0] - 0.884).abs() < 0.03 && (found[2] - 0.375).abs() < 0.03, "{tier:?}: {found:?}");
     }
 }
 
@@ -317,11 +332,11 @@ fn reference_paths(text: &str, expected: usize) -> Vec<Known> {
     table.paths.into_iter().map(|p| Known { name: p.name, poses: p.pose, answers: p.answer }).collect()
 }
 
-/// Worst differences over all `paths` with `samples` bristles.
-fn worst_of(paths: &[Known], samples: usize) -> (f64, f64) {
+/// Worst differences over all `paths` in a tier with `samples`.
+fn worst_of(paths: &[Known], tier: Tier, samples: usize) -> (f64, f64) {
     let mut all = (0.0_f64, 0.0_f64);
     for path in paths {
-        let mut drive = Drive::ball(ObjectShape::HalfSpace, 0.02, 0.5, &params(Tier::Bristle, samples, 0.75));
+        let mut drive = Drive::ball(ObjectShape::HalfSpace, 0.02, 0.5, &params(tier, samples, 0.75));
         drive.press_to(0.02, 1.0e-3);
         let units = Units::of(&drive, 0.75);
         let (drag, torque) = worst(&lead(&mut drive, &units, &path.poses, 1), &path.answers);
@@ -337,11 +352,18 @@ fn worst_of(paths: &[Known], samples: usize) -> (f64, f64) {
 fn straight_and_turning_paths() {
     let straight = reference_paths(STRAIGHT, 14);
     let turning = reference_paths(TURNING, 27);
-    for (samples, drag_most, torque_most) in [(64, 0.06, 0.04), (16, 0.08, 0.08), (256, 0.06, 0.06)] {
+    let cases = [
+        (Tier::Bristle, 64, 0.06, 0.04),
+        (Tier::Bristle, 16, 0.08, 0.08),
+        (Tier::Bristle, 256, 0.06, 0.06),
+        (Tier::Point, 64, 0.30, 0.25),
+    ];
+    for (tier, samples, drag_most, torque_most) in cases {
         for (kind, paths) in [("straight", &straight), ("turning", &turning)] {
-            let (drag, torque) = worst_of(paths, samples);
-            println!("{kind}, {samples} samples: {drag:.4} of mu P, {torque:.4} of T_max");
-            assert!(drag <= drag_most && torque <= torque_most, "{kind}, {samples} samples: {drag} of mu P, {torque} of T_max");
+            let (drag, torque) = worst_of(paths, tier, samples);
+            let found = format!("{kind}, {tier:?}, {samples} samples: {drag:.4} of mu P, {torque:.4} of T_max");
+            println!("{found}");
+            assert!(drag <= drag_most && torque <= torque_most, "{found}");
         }
     }
 }

@@ -68,7 +68,8 @@ impl Watch {
             let (load, a) = (patch.footprint.load, patch.footprint.radius);
             assert!(load >= 0.0 && a >= 0.0 && load.is_finite() && a.is_finite(), "footprint: {}", told());
             let drag = patch.grip.force.length() / (mu * load).max(f32::MIN_POSITIVE);
-            let torque = patch.grip.torque.abs() / (mu * load * a * Profile::new(patch.footprint.fullness).full_slip_torque());
+            let most = mu * load * patch.footprint.arm() * Profile::new(patch.footprint.fullness).full_slip_torque();
+            let torque = patch.grip.torque.abs() / most;
             let held = patch.grip.force.length() > 0.0 || patch.grip.torque != 0.0;
             assert!(!held || drag <= 1.0 + SLACK, "drag {drag} of mu P: {}", told());
             assert!(patch.grip.torque == 0.0 || torque <= 1.0 + SLACK, "torque {torque} of T_max: {}", told());

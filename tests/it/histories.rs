@@ -155,7 +155,9 @@ fn finer_trajectories_agree() {
     for choice in TIERS {
         let (drag, torque) = worst(&motion(choice, 5), &motion(choice, 20));
         println!("{choice:?}, four times finer: {drag:.4} of mu P, {torque:.4} of T_max");
-        assert!(torque < 0.02 && drag < 0.02, "{choice:?}: {drag} of mu P, {torque} of T_max");
+        // tier point wears torque by the length of a step, of which a slow hand's at 5 Hz is a twentieth of the full-slip shift
+        let most = if choice == Tier::Point { 0.04 } else { 0.02 };
+        assert!(torque < most && drag < most, "{choice:?}: {drag} of mu P, {torque} of T_max");
     }
 }
 
@@ -234,9 +236,7 @@ fn two_legs_are_the_sum_of_their_legs() {
         let full = 0.75 * both.load() * 0.02;
         let share = both.held()[2] / full;
         println!("{choice:?}: two legs at full slip hold {share:.4} of mu P times the offset");
-        // tier point joins drag and spin by the limit surface, which takes more off the drag than true slip does
-        let least = if choice == Tier::Point { 0.9 } else { 0.98 };
-        assert!((least..1.03).contains(&share), "{choice:?}: {share}");
+        assert!((0.98..1.03).contains(&share), "{choice:?}: {share}");
     }
 }
 

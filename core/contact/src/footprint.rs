@@ -10,7 +10,7 @@ use crate::geometry::edges::Edges;
 use crate::geometry::gap::deepest_meaningful;
 use crate::geometry::outline::{LEVELS, Levels, Stand};
 use crate::geometry::support;
-use crate::math::{GAUSS_4, PI, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
+use crate::math::{GAUSS_4, PI, cbrt, clamp, exp, ln, max, min, perpendicular, pow, pow_3_2, root, sqrt};
 use crate::mesh_shape::MeshShape;
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::overlap::{Growth, Standing};
@@ -26,13 +26,15 @@ pub struct Footprint {
     pub load: f32,
     /// Fullness of the pressure profile.
     pub fullness: f32,
+    /// How many times longer than wide the patch is, 1 where it is round.
+    pub aspect: f32,
     /// Small strain does not hold here.
     pub large_strain: bool,
 }
 
 impl Footprint {
     /// No contact.
-    pub const NONE: Self = Self { radius: 0.0, load: 0.0, fullness: FULLNESS_HERTZ, large_strain: false };
+    pub const NONE: Self = Self { radius: 0.0, load: 0.0, fullness: FULLNESS_HERTZ, aspect: 1.0, large_strain: false };
 }
 
 /// What a footprint is read from.
@@ -175,18 +177,18 @@ fn outlined(
 /// P = 2 E* integral of a over depth, with a from the profile of equal overlap area (theory.md, equations 3.6 to 3.9).
 fn cut(growth: &Growth, contact_modulus: f32, depth: f32) -> Footprint {
     let share = growth.share(depth);
-    let whole = growth.at(share).radius;
+    let (whole, _) = growth.at(share);
     let shrink = contact_over_slice(exponent(whole, growth.half(share)));
     // the rule runs over the square root of the depth's share, in which every power of the radius is a polynomial
     let (mut pressed, mut round) = (0.0, 0.0);
     for (s, w) in GAUSS_4 {
-        let overlap = growth.at(share * s);
-        pressed += w * 2.0 * s * overlap.pressed;
-        round += w * 2.0 * s * overlap.radius;
+        let (of_round, of_pressed) = growth.at(share * s);
+        pressed += w * 2.0 * s * of_pressed;
+        round += w * 2.0 * s * of_round;
     }
     let load = 2.0 * contact_modulus * depth * shrink * pressed;
     let fullness = if whole > 0.0 { round / whole } else { FULLNESS_HERTZ };
-    Footprint { radius: shrink * whole, load, fullness, large_strain: false }
+    Footprint { radius: shrink * whole, load, fullness, aspect: growth.aspect(), large_strain: false }
 }
 
 /// Local exponent n of depth over radius, from the radii of the overlap at a depth and at half of it.
@@ -236,12 +238,14 @@ fn smooth((k_large, k_small): (f32, f32), contact_modulus: f32, depth: f32) -> F
     let radius = 1.0 / sqrt(k_large * k_small);
     let ratio = k_large / k_small;
     let (f1, f2) = if ratio > 1.000_1 { elliptic(ratio) } else { (1.0, 1.0) };
+    let aspect = if ratio > 1.000_1 { cbrt(ratio * ratio) } else { 1.0 };
     let share = min(depth / radius, 1.0);
     let depth_scaled = depth / f2;
     let hertz_radius = root(radius * depth_scaled) * f1;
     let load = 4.0 / 3.0 * contact_modulus * sqrt(radius) * pow_3_2(depth_scaled);
     let a = hertz_radius * (1.0 - share / 6.0);
-    Footprint { radius: a, load: load * (1.0 - share / 10.0), fullness: FULLNESS_HERTZ, large_strain: a > SMALL_STRAIN * radius }
+    let load = load * (1.0 - share / 10.0);
+    Footprint { radius: a, load, fullness: FULLNESS_HERTZ, aspect, large_strain: a > SMALL_STRAIN * radius }
 }
 
 /// A line contact is treated as one of this curvature ratio: beyond it the ellipse is longer than any body here.

@@ -25,12 +25,14 @@ pub struct Overlap {
     pub radius: f32,
     /// The radius times the factor of a long footprint \[m\].
     pub pressed: f32,
+    /// How many times longer than wide it is.
+    pub aspect: f32,
 }
 
 impl Overlap {
     fn new(area: f32, aspect: f32) -> Self {
         let radius = root(area / PI);
-        Self { radius, pressed: radius * long_factor(aspect) }
+        Self { radius, pressed: radius * long_factor(aspect), aspect }
     }
 }
 
@@ -43,6 +45,8 @@ pub struct Growth {
     pressed: Quartic,
     /// Radius at half the depth over that of the polynomial.
     half: f32,
+    /// Aspect at the depth of the contact.
+    aspect: f32,
 }
 
 impl Growth {
@@ -51,7 +55,7 @@ impl Growth {
         let radius = Quartic::through([a, b, c, d, e].map(|cut| cut.radius));
         let pressed = Quartic::through([a, b, c, d, e].map(|cut| cut.pressed));
         let read = radius.at(FRAC_1_SQRT_2);
-        Self { depth, radius, pressed, half: if read > 0.0 { half.radius / read } else { 1.0 } }
+        Self { depth, radius, pressed, half: if read > 0.0 { half.radius / read } else { 1.0 }, aspect: max(e.aspect, 1.0) }
     }
 
     /// The overlap of a mesh up to `depth` \[m\], at most of the area `widest` \[m^2\].
@@ -73,9 +77,14 @@ impl Growth {
         self.half * self.radius.at(s * FRAC_1_SQRT_2)
     }
 
-    /// The overlap at a square root of a share of the depth.
-    pub fn at(&self, s: f32) -> Overlap {
-        Overlap { radius: self.radius.at(s), pressed: self.pressed.at(s) }
+    /// Radius at a square root of a share of the depth, and the same times the factor of a long footprint \[m\].
+    pub fn at(&self, s: f32) -> (f32, f32) {
+        (self.radius.at(s), self.pressed.at(s))
+    }
+
+    /// How many times longer than wide the overlap is at the depth of the contact, 1 where it is round.
+    pub const fn aspect(&self) -> f32 {
+        self.aspect
     }
 }
 
@@ -274,7 +283,7 @@ mod tests {
                     if middle + fall * slice(shape, d, middle).area < depth * s * s { low = middle } else { high = middle }
                 }
                 let area = (depth * s * s - low) / fall;
-                let found = growth.at(s).radius;
+                let (found, _) = growth.at(s);
                 let off = (found / root(area / PI) - 1.0).abs();
                 worst = max(worst, off * s);
                 assert!(off * s < 0.02, "{shape:?} tilt {tilt} place {s}: {found} {}", root(area / PI));

@@ -82,8 +82,8 @@ fn between(hold: &Hold, inner: &Inside, outer: &Inside) -> Ring {
     Ring {
         load: hold.load * load * share,
         drag: share * load * hold.drag_stiffness / (drag_softness + LEAST_SOFTNESS),
-        twist: share * load * hold.twist_stiffness / (hold.radius * (twist_softness + LEAST_SOFTNESS)),
-        arm: arm * hold.radius,
+        twist: share * load * hold.twist_stiffness / (hold.arm * (twist_softness + LEAST_SOFTNESS)),
+        arm: arm * hold.arm,
         stuck: (stuck(outer.drag_stick, inner.drag_stick), stuck(outer.twist_stick, inner.twist_stick)),
     }
 }

@@ -121,7 +121,7 @@ fn settle(hold: &Hold, rings: &Rings, quads: &Quads, bristles: &mut [Bristle], f
 /// The stuck share of the area lies between its pure-drag and its pure-twist reading, by how much of each is used.
 fn stick_share(hold: &Hold, grip: &Grip, stuck: (f32, f32)) -> f32 {
     let drag = grip.force.length_squared() / square(hold.mu_s * hold.load);
-    let twist = square(grip.torque / (hold.mu_s * hold.load * hold.radius * hold.profile.full_slip_torque()));
+    let twist = square(grip.torque / (hold.mu_s * hold.load * hold.arm * hold.profile.full_slip_torque()));
     let blend = if drag + twist > 0.0 { twist / (drag + twist) } else { 1.0 };
     min(stuck.0 + (stuck.1 - stuck.0) * blend, 1.0)
 }

@@ -48,7 +48,7 @@ impl Cells {
         }
         let scale = hold.load / (IMAGES as f32 * total);
         cells.load.iter_mut().take(cells.count).for_each(|cell| *cell *= scale);
-        cells.arm = hold.profile.full_slip_torque() * total / torque;
+        cells.arm = hold.profile.full_slip_torque() * total / torque * (hold.arm / hold.radius);
         cells
     }
 }

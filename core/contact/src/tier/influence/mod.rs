@@ -36,8 +36,9 @@ pub struct Elastic {
 impl Elastic {
     /// Elasticity of `material` under the patch of `hold`.
     pub fn new(hold: &Hold, material: &Material) -> Self {
-        let (shear_modulus, a) = (material.shear_modulus(), hold.radius);
-        let flat = 16.0 / 3.0 * shear_modulus * a * a * a;
+        let shear_modulus = material.shear_modulus();
+        // the arms of a long patch are longer, and its twist stiffer by their square
+        let flat = 16.0 / 3.0 * shear_modulus * hold.radius * hold.arm * hold.arm;
         let convex = max(1.0 / hold.twist_stiffness - 1.0 / flat, 0.0);
         let common = Compliance { drag: hold.body.drag, twist: hold.body.twist + convex, ..hold.body };
         Self { shear_modulus, poisson_ratio: material.poisson_ratio, common }

@@ -42,7 +42,7 @@ impl Curve {
 
     /// The twist curve of a patch with friction `mu`.
     pub fn twist(hold: &Hold, mu: f32) -> Self {
-        let full = hold.profile.full_slip_torque() * mu * hold.load * hold.radius;
+        let full = hold.profile.full_slip_torque() * mu * hold.load * hold.arm;
         Self::Twist { full, unit: full / hold.twist_stiffness, fullness: hold.profile.fullness() }
     }
 

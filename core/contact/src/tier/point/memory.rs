@@ -1,7 +1,8 @@
 //! Reversal memory of a hysteretic curve: Masing's rule with return points, in the plane (drag) or on a line (twist).
 //!
 //! The first entry is where the fresh curve starts; each reversal pushes a turning point, from which the curve runs with doubled
-//! scale. A branch that comes back to where the previous one began forgets both (Madelung's rules); full slip forgets all.
+//! scale. A branch that comes back to where the previous one began forgets both (Madelung's rules); full slip forgets all. A shift
+//! that turns leads its branch around faster than a rope would follow (equation 6.3c).
 
 use glam::Vec2;
 
@@ -55,6 +56,18 @@ impl Branch {
             self
         }
     }
+}
+
+/// How much more than itself a sideways shift counts at full slip. A branch that followed like a rope as long as the full-slip shift would lag too far
+/// behind a path that turns. Fitted on the turning paths of the reference.
+const ASTRAY: f32 = 0.25;
+
+/// What a shift by `step` counts more because it leads away from the line of a branch that began at `at`: a share of its part across that line, by the eighth
+/// power of how far this is of `reach`, so that cycles which never slip fully repeat. Nothing on a line, to the bit (equation 6.3c).
+fn astray(at: Vec2, step: Vec2, reach: f32) -> Vec2 {
+    let way = at / reach;
+    let (across, far2) = (way.perp_dot(step), way.length_squared());
+    if across.is_finite() { way.perp() * (ASTRAY * across * (far2 * far2 * far2)) } else { Vec2::ZERO }
 }
 
 /// 1 on the fresh curve, 2 after a reversal.
@@ -124,7 +137,7 @@ impl Memory {
         let branch = if step.dot(last.at) > 0.0 {
             Branch::new((self.len + 1).min(TURNS), Turn { at: Vec2::ZERO - step, load: self.load(curve) })
         } else {
-            Branch::new(self.len, last.after(step))
+            Branch::new(self.len, last.after(step + astray(last.at, step, scale(self.len - 1) * curve.reach())))
         };
         self.close_loops(branch, step).beyond_full_slip(curve)
     }
