@@ -121,13 +121,13 @@ enum Cli {
     /// Measures speed against accuracy on the ready scenes and writes tests/bench/TRADE.md, its pictures and trade.json
     #[command(after_help = "Example: cargo xtask trade\n         cargo xtask trade --errors")]
     Trade {
-        /// Ticks to time for each setting in place of 100000
+        /// Ticks to time for each setting in place of 50000
         #[arg(long, value_name = "N")]
         ticks: Option<usize>,
         /// A first look: fewer settings, one rate, a coarser reference
         #[arg(long)]
         quick: bool,
-        /// Only trade.json, which the tests watch
+        /// Only trade.json, errors and instructions of a first look, which the tests watch
         #[arg(long)]
         errors: bool,
     },

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::table::{self, Table};
 use crate::trade::advice::{self, Limits};
 use crate::trade::answers::{self, Answers, Fineness};
-use crate::trade::cost::{self, Order};
+use crate::trade::cost::{self, Cost, Order};
 use crate::trade::errors::{self, Errors};
 use crate::trade::picture;
 use crate::trade::point::{Point, Trade};
@@ -22,7 +22,7 @@ use crate::trade::settings::{ALL, QUICK, RATES, Setting};
 use crate::trade::stage::Stage;
 
 /// Ticks that are timed for each setting, and for a first look.
-const TICKS: [usize; 2] = [100_000, 4_000];
+const TICKS: [usize; 2] = [50_000, 4_000];
 
 /// Measures what each tier, number of samples and sweeps costs on a scene and how far it is from the truth; says which to take.
 ///
@@ -52,12 +52,15 @@ pub struct Args {
     /// Only this tier; may be repeated
     #[arg(long, value_name = "T")]
     tier: Vec<TierName>,
-    /// Ticks to time for each setting [default: 100000, with --quick 4000]
+    /// Ticks to time for each setting [default: 50000, with --quick 4000]
     #[arg(long, value_name = "N")]
     ticks: Option<usize>,
     /// Errors only
-    #[arg(long, conflicts_with = "picture")]
+    #[arg(long, conflicts_with_all = ["picture", "no_time"])]
     no_cost: bool,
+    /// Errors and instructions, which are the same on every run, and no times
+    #[arg(long, conflicts_with = "picture")]
+    no_time: bool,
     /// One JSON object on standard output in place of the tables
     #[arg(long, conflicts_with = "markdown")]
     json: bool,
@@ -91,7 +94,7 @@ pub fn run(args: &Args) -> Outcome {
         (false, false) => say(report::text(&trade, &limits, Style::Plain).trim_end()),
     }
     if let Some(file) = &args.picture {
-        picture::draw(file, &trade)?;
+        picture::draw(file, &trade, &limits)?;
     }
     if args.write { write(&args.scene, &trade, &limits) } else { Ok(()) }
 }
@@ -107,10 +110,10 @@ fn measured(args: &Args, stage: &Stage<'_>, name: &str) -> Result<Trade, Failure
         bar.set_message(setting.name());
         let table = table.map(|index: usize| &notes.1[index]);
         let params = setting.params(stage);
-        let cost = match args.no_cost {
-            true => None,
-            false => Some(cost::time(stage, &answers, setting, table, args.ticks.unwrap_or(TICKS[usize::from(args.quick)]))?),
-        };
+        let mut cost = (!args.no_cost).then(|| Cost::of(setting));
+        if let Some(cost) = cost.as_mut().filter(|_| !args.no_time) {
+            cost.times = Some(cost::time(stage, &answers, setting, table, args.ticks.unwrap_or(TICKS[usize::from(args.quick)]))?);
+        }
         bar.inc(1);
         for &rate in &rates {
             let (errors, surface) = errors::measure(stage, &answers, &params, table, rate)?;

@@ -1,5 +1,8 @@
 //! Which setting to take, in words.
 
+use super::cost::{Cost, VERTICES};
+use super::errors::{Errors, Off};
+use super::motions::Kind;
 use super::point::{Point, Trade};
 
 /// What the user can afford and needs.
@@ -17,44 +20,89 @@ const ALIKE: f64 = 0.005;
 /// The setting to take at the rate that was asked for: with an error asked for the cheapest that meets it, else the most accurate that fits into the share of the period. Without costs
 /// the first in the order of the settings counts as the cheapest.
 pub fn choose<'a>(trade: &'a Trade, limits: &Limits) -> Option<&'a Point> {
-    let fits = |point: &&Point| point.share().is_none_or(|share| 100.0 * share <= limits.share);
-    let fitting: Vec<&Point> = trade.asked().filter(fits).collect();
+    let fitting: Vec<&Point> = fitting(trade, limits).collect();
     let least = fitting.iter().map(|point| point.errors.worst()).reduce(f64::min)?;
     let enough = limits.error.map_or(least + ALIKE, |error| error / 100.0);
-    let price = |point: &Point| point.cost.map_or(0.0, |cost| cost.worst);
+    let price = |point: &Point| point.price().unwrap_or(0.0);
     fitting.into_iter().filter(|point| point.errors.worst() <= enough).min_by(|a, b| price(a).total_cmp(&price(b)))
 }
 
-/// The recommendation as a sentence or two.
+/// Points that fit into the share of the period, as far as times are known.
+fn fitting<'a>(trade: &'a Trade, limits: &Limits) -> impl Iterator<Item = &'a Point> {
+    let share = limits.share;
+    trade.asked().filter(move |point| point.share().is_none_or(|its| 100.0 * its <= share))
+}
+
+/// The recommendation in sentences: what to write, what it errs by and costs, what is given up, what would be cheaper.
 pub fn words(trade: &Trade, limits: &Limits) -> String {
-    let rate = rate(trade.rate);
     let Some(point) = choose(trade, limits) else { return nothing(trade, limits) };
-    let errors = &point.errors;
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let Errors { normal, twist, mixed, reversal } = point.errors;
     let mut text = format!(
-        "For {rate} on this machine take {}: {} in normal force, {} in twist, {} in mixed motion, {} where the twist turns back",
+        "For {} on this machine take {} ({}): {} in normal force, {} in twist, {} in mixed motion, {} where the twist turns back",
+        rate(trade.rate),
         point.setting.name(),
-        percent(errors.normal.max),
-        percent(errors.twist.max),
-        percent(errors.mixed.max),
-        percent(errors.reversal.max)
+        point.setting.keys(),
+        percent(normal.max),
+        percent(twist.max),
+        percent(mixed.max),
+        percent(reversal.max)
     );
-    match (point.cost, point.share()) {
-        (Some(cost), Some(share)) => {
-            text += &format!(", {:.1} us for the dearest tick ({} of the period).", cost.worst, percent(share));
-        }
-        _ => text += "; costs were not taken.",
+    text += &match (point.cost, point.share()) {
+        (Some(cost), Some(share)) => format!(", {}, {} of the period.", told(&cost), percent(share)),
+        (Some(cost), None) if cost.instructions.is_some() => format!(", {}; times were not taken.", told(&cost)),
+        _ => "; costs were not taken.".to_owned(),
+    };
+    text + &given_up(trade, point) + &cheaper(trade, point) + &surface(point)
+}
+
+/// The dearest tick's price: its time, or its instructions where no time was taken.
+fn told(cost: &Cost) -> String {
+    match (cost.times, cost.instructions) {
+        (Some(times), _) => format!("{:.1} us for the dearest tick", times.worst),
+        (None, Some(count)) => format!("{count} instructions for the dearest tick"),
+        (None, None) => "no cost taken".to_owned(),
     }
-    let accurate = |a: &&Point, b: &&Point| a.errors.worst().total_cmp(&b.errors.worst());
-    match trade.asked().min_by(accurate) {
-        Some(best) if best.setting != point.setting && best.errors.worst() + ALIKE < errors.worst() => {
-            text += &format!(" The most accurate here is {} ({} at worst)", best.setting.name(), percent(best.errors.worst()));
-            text += &best.cost.map_or(String::new(), |cost| format!(", {:.1} us", cost.worst));
-            text += ".";
-        }
-        _ => {}
-    }
-    text
+}
+
+/// What the most accurate setting would do better.
+fn given_up(trade: &Trade, point: &Point) -> String {
+    let best = trade.asked().min_by(|a, b| a.errors.worst().total_cmp(&b.errors.worst()));
+    let Some(best) = best.filter(|best| best.errors.worst() + ALIKE < point.errors.worst()) else {
+        return " Nothing that was tried is more accurate by half a per cent.".to_owned();
+    };
+    let its = format!(
+        " Given up: {} errs by {} at worst instead of {}",
+        best.setting.name(),
+        percent(best.errors.worst()),
+        percent(point.errors.worst())
+    );
+    its + &best.cost.filter(|cost| cost.price().is_some()).map_or(String::new(), |cost| format!(", with {}", told(&cost))) + "."
+}
+
+/// The next cheaper setting on the frontier.
+fn cheaper(trade: &Trade, point: &Point) -> String {
+    let Some(price) = point.price() else { return String::new() };
+    let below = trade.asked().filter(|other| trade.on_frontier(other)).filter_map(|other| Some((other, other.price()?)));
+    let next = below.filter(|(_, its)| *its < price).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((other, cost)) = next.and_then(|(other, _)| Some((other, other.cost?))) else { return String::new() };
+    format!(" Cheaper: {}, {}, {} at worst.", other.setting.name(), told(&cost), percent(other.errors.worst()))
+}
+
+/// What the surface errs by for who looks, by amount of deformation.
+fn surface(point: &Point) -> String {
+    let times = point.cost.and_then(|cost| cost.times);
+    let told = |name: &str, off: Off, time: Option<f64>| {
+        let takes = time.map_or(String::new(), |time| format!(" in {time:.0} us for {VERTICES} vertices"));
+        format!("deformation = \"{name}\" errs by {} ({} at worst){takes}", percent(off.rms), percent(off.max))
+    };
+    let full = told("full", point.surface.full, times.map(|times| times.surface_full));
+    let local = told("local", point.surface.local, times.map(|times| times.surface_local));
+    let after = point.surface.farthest.after.map_or("pressing", Kind::name);
+    format!(" For the surface {full}, farthest after {after}; {local}; if nobody looks, take \"none\".")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }
 
 /// Nothing meets the limits: what would be nearest.
@@ -76,8 +124,7 @@ pub fn rate(rate: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cost::Cost;
-    use super::super::errors::{Errors, Off};
+    use super::super::cost::Times;
     use super::super::settings::ALL;
     use super::*;
 
@@ -87,7 +134,7 @@ mod tests {
             rate: 1000.0,
             errors: Errors { mixed: Off { max: error, rms: error }, ..Errors::default() },
             surface: Default::default(),
-            cost: Some(Cost { worst, ..Cost::default() }),
+            cost: Some(Cost { times: Some(Times { worst, ..Times::default() }), ..Cost::default() }),
         };
         Trade {
             scene: "s".into(),
@@ -118,7 +165,28 @@ mod tests {
         assert_eq!(name(Some(30.0), 50.0).as_deref(), Some("bristle 16"));
         assert_eq!(name(Some(1.0), 100.0), None);
         assert!(words(&trade, &Limits { error: Some(1.0), share: 100.0 }).contains("influence 112 x 4, errs by 2.0 %"));
-        assert!(words(&trade, &Limits { error: None, share: 50.0 }).contains("take bristle 64: 0.0 % in normal force"));
+        let said = words(&trade, &Limits { error: None, share: 50.0 });
+        for part in [
+            "take bristle 64 (tier = \"bristle\", samples = 64): 0.0 % in normal force",
+            "9.0 us for the dearest tick, 0.9 % of the period",
+            "Given up: influence 112 x 4 errs by 2.0 % at worst instead of 10.0 %, with 700.0 us",
+            "Cheaper: bristle 16, 3.0 us for the dearest tick, 20.0 % at worst",
+        ] {
+            assert!(said.contains(part), "{said}");
+        }
+    }
+
+    /// Where no time was taken, instructions are the price.
+    #[test]
+    fn instructions_stand_in_for_times() {
+        let mut trade = trade();
+        for (point, count) in trade.points.iter_mut().zip([100, 300, 200, 250, 900]) {
+            point.cost = Some(Cost { instructions: Some(count), ..Cost::default() });
+        }
+        let on: Vec<bool> = trade.points.iter().map(|point| trade.on_frontier(point)).collect();
+        assert_eq!(on, [true, false, true, false, true]);
+        let said = words(&trade, &Limits { error: Some(30.0), share: 1.0 });
+        assert!(said.contains("take bristle 64") && said.contains("200 instructions for the dearest tick; times"), "{said}");
     }
 
     #[test]

@@ -83,7 +83,7 @@ pub fn solve(
     let pressed = truth.press(stage.depth);
     progress();
     let (units, places) = (units.unwrap_or(truth.units()), truth.places(REACH));
-    let moved = |truth: &Truth<'_>| places.iter().map(|&place| truth.displacement(place)).collect::<Vec<_>>();
+    let moved = |truth: &Truth| places.iter().map(|&place| truth.displacement(place)).collect::<Vec<_>>();
     let dented = moved(&truth);
     let start = truth.contact();
     let mut led = Vec::new();

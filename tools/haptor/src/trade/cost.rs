@@ -30,7 +30,7 @@ const RATE: f64 = 1000.0;
 const REPETITIONS: usize = 5;
 
 /// Longest time spent on one setting \[s\]; fewer ticks than asked are told.
-const SECONDS: f64 = 20.0;
+const SECONDS: f64 = 6.0;
 
 /// Vertices of the surface that is timed.
 pub const VERTICES: usize = 1024;
@@ -54,6 +54,29 @@ const FINE: usize = Layout::FINE.slots();
 /// Cost of a setting.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
+    /// State and workspace with room for every part of a probe \[bytes\], without a body's table.
+    pub bytes: usize,
+    /// Instructions of the dearest counted tick.
+    pub instructions: Option<u64>,
+    /// Times on this machine, when they were taken.
+    pub times: Option<Times>,
+}
+
+impl Cost {
+    /// What is known without running anything.
+    pub fn of(setting: &Setting) -> Self {
+        Self { bytes: bytes(setting), instructions: None, times: None }
+    }
+
+    /// What settings are compared by: the dearest tick's time, and its instructions where no time was taken.
+    pub fn price(&self) -> Option<f64> {
+        self.times.map(|times| times.worst).or(self.instructions.map(|count| count as f64))
+    }
+}
+
+/// Times of a setting.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Times {
     /// Ticks that were timed.
     pub ticks: usize,
     /// Median time of a tick \[us\].
@@ -68,10 +91,6 @@ pub struct Cost {
     pub surface_local: f64,
     /// The same with the body's motion \[us\].
     pub surface_full: f64,
-    /// State and workspace with room for every part of a probe \[bytes\], without a body's table.
-    pub bytes: usize,
-    /// Instructions of the dearest counted tick.
-    pub instructions: Option<u64>,
 }
 
 /// The motion that costs are taken on: shift, turn and twist at once.
@@ -87,7 +106,7 @@ pub fn time(
     setting: &Setting,
     table: Option<&Table>,
     ticks: usize,
-) -> Result<Cost, Failure> {
+) -> Result<Times, Failure> {
     let (started, params) = (Instant::now(), setting.params(stage));
     let round = ticks_per_sample(RATE) * SAMPLES;
     let (mut all, mut fastest) = (Vec::new(), vec![Duration::MAX; round]);
@@ -112,7 +131,7 @@ pub fn time(
     let worst = fastest.into_iter().max().map_or(0.0, |time| 1.0e6 * time.as_secs_f64());
     let [surface_local, surface_full] = [false, true].map(|body| surface(stage, &simulation, answers, body));
     let (ticks, [p50, p99, max]) = (all.len(), quantiles(all.into_iter()));
-    Ok(Cost { ticks, p50, p99, worst, max, surface_local, surface_full, bytes: bytes(setting), instructions: None })
+    Ok(Times { ticks, p50, p99, worst, max, surface_local, surface_full })
 }
 
 /// Median time of a surface after the last tick \[us\].

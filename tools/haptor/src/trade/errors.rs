@@ -55,6 +55,19 @@ pub struct SurfaceErrors {
     pub local: Off,
     /// The body moves, too.
     pub full: Off,
+    /// Where the latter is largest.
+    pub farthest: Farthest,
+}
+
+/// Where and when a surface is farthest from the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Farthest {
+    /// Its error.
+    pub error: f64,
+    /// After which motion; `None` when just pressed.
+    pub after: Option<Kind>,
+    /// At rest in world \[m\].
+    pub place: Vec3,
 }
 
 /// Compares one setting at `rate` ticks a second.
@@ -69,21 +82,22 @@ pub fn measure(
     rate: f64,
 ) -> Result<(Errors, SurfaceErrors), Failure> {
     let mut gathered = Gathered::default();
-    let mut surface = [Vec::new(), Vec::new()];
+    let mut surface = Seen::default();
     for (motion, truth) in MOTIONS.iter().zip(&answers.led) {
         let mut simulation = stage.simulate(params, table)?;
         let mut t = 0.0;
         let pressed = stage.press(&mut simulation, rate, &mut t);
         if motion.kind == Kind::Twist {
             gathered.normal = normal(&pressed, &answers.pressed);
-            compare_surface(stage, &simulation, answers, &answers.dented, stage.pressed(1.0), &mut surface);
+            surface.add(stage, &simulation, answers, &answers.dented, (stage.pressed(1.0), None));
         }
         let felt = stage.follow(&mut simulation, motion, &answers.units, rate, &mut t);
         gathered.add(motion.kind, &felt, &truth.felt, answers);
         let end = stage.led(motion, &answers.units, 1.0);
-        compare_surface(stage, &simulation, answers, &truth.moved, end, &mut surface);
+        surface.add(stage, &simulation, answers, &truth.moved, (end, Some(motion.kind)));
     }
-    Ok((gathered.errors(), SurfaceErrors { local: Off::of(&surface[0]), full: Off::of(&surface[1]) }))
+    let surface = SurfaceErrors { local: Off::of(&surface.local), full: Off::of(&surface.full), farthest: surface.farthest };
+    Ok((gathered.errors(), surface))
 }
 
 /// Largest differences of two truths on the same scene, as a setting's errors would be: what the coarser one adds.
@@ -127,20 +141,38 @@ fn normal(felt: &[Felt], truth: &[Felt]) -> Vec<f64> {
     felt.iter().zip(truth).map(|(a, b)| (a.force[2] - b.force[2]).abs() / most).collect()
 }
 
-/// Adds the errors of all places, local and full, to `surface`.
-fn compare_surface(
-    stage: &Stage<'_>,
-    simulation: &Simulation<'_>,
-    answers: &Answers,
-    truth: &[DVec3],
-    place: Place,
-    surface: &mut [Vec<f64>; 2],
-) {
-    let most = truth.iter().map(|u| u.length()).fold(0.0, f64::max);
-    let row = stage.row(place, 1.0, 0.0);
-    for (errors, body) in surface.iter_mut().zip([false, true]) {
-        let mut moved = vec![Vec3::ZERO; answers.places.len()];
-        simulation.surface(&row, body).update(&answers.places, &mut moved);
-        errors.extend(moved.iter().zip(truth).map(|(found, truth)| (found.as_dvec3() - *truth).length() / most));
+/// Errors of the surface at all places and times.
+#[derive(Default)]
+struct Seen {
+    local: Vec<f64>,
+    full: Vec<f64>,
+    farthest: Farthest,
+}
+
+impl Seen {
+    /// Adds the errors of all places with the probe at a place, after a motion.
+    fn add(
+        &mut self,
+        stage: &Stage<'_>,
+        simulation: &Simulation<'_>,
+        answers: &Answers,
+        truth: &[DVec3],
+        (place, after): (Place, Option<Kind>),
+    ) {
+        let most = truth.iter().map(|u| u.length()).fold(0.0, f64::max);
+        let row = stage.row(place, 1.0, 0.0);
+        let errors = |body: bool| -> Vec<f64> {
+            let mut moved = vec![Vec3::ZERO; answers.places.len()];
+            simulation.surface(&row, body).update(&answers.places, &mut moved);
+            moved.iter().zip(truth).map(|(found, truth)| (found.as_dvec3() - *truth).length() / most).collect()
+        };
+        let (local, full) = (errors(false), errors(true));
+        for (&error, &place) in full.iter().zip(&answers.places) {
+            if error > self.farthest.error {
+                self.farthest = Farthest { error, after, place };
+            }
+        }
+        self.local.extend(local);
+        self.full.extend(full);
     }
 }

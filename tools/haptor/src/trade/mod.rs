@@ -6,6 +6,7 @@
 pub mod advice;
 pub mod answers;
 mod bodies;
+mod boxes;
 pub mod cost;
 pub mod errors;
 mod motions;

@@ -16,6 +16,17 @@ pub enum Kind {
     Mixed,
 }
 
+impl Kind {
+    /// In words, after which the surface is looked at.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Twist => "the twist",
+            Self::Reversal => "the reversals",
+            Self::Mixed => "a mixed motion",
+        }
+    }
+}
+
 /// A motion from the pressed state on.
 #[derive(Clone, Copy)]
 pub struct Motion {

@@ -23,7 +23,12 @@ pub struct Point {
 impl Point {
     /// Share of the tick's period that the dearest tick takes.
     pub fn share(&self) -> Option<f64> {
-        self.cost.map(|cost| 1.0e-6 * cost.worst * self.rate)
+        self.cost?.times.map(|times| 1.0e-6 * times.worst * self.rate)
+    }
+
+    /// What points are compared by, when any cost was taken.
+    pub fn price(&self) -> Option<f64> {
+        self.cost?.price()
     }
 }
 
@@ -59,12 +64,12 @@ impl Trade {
 
     /// Whether no other point at this rate is both cheaper and more accurate.
     pub fn on_frontier(&self, point: &Point) -> bool {
-        let Some(cost) = point.cost else { return false };
+        let Some(price) = point.price() else { return false };
         let better = |other: &Point| {
             other.rate == point.rate
                 && other.setting != point.setting
                 && other.errors.worst() <= point.errors.worst()
-                && other.cost.is_some_and(|its| its.worst <= cost.worst)
+                && other.price().is_some_and(|its| its <= price)
         };
         !self.points.iter().any(better)
     }

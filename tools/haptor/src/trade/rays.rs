@@ -3,8 +3,10 @@
 use haptor_contact::{ObjectShape, ProbePart, ProbeShape, Vec3};
 use haptor_mesh::{DVec3, Mesh};
 
+use super::boxes::Boxes;
+
 /// A solid about its own origin.
-pub enum Solid<'a> {
+pub enum Solid {
     /// Everything below z = 0.
     HalfSpace,
     /// Box about the origin, half its edges.
@@ -18,12 +20,12 @@ pub enum Solid<'a> {
     /// Cylinder with round ends, axis z: radius, half the straight part.
     Capsule(f64, f64),
     /// A closed mesh.
-    Mesh(&'a Mesh),
+    Mesh(Boxes),
 }
 
 /// A solid at its place.
-pub struct Placed<'a> {
-    solid: Solid<'a>,
+pub struct Placed {
+    solid: Solid,
     origin: DVec3,
     /// From the solid's frame to that of its place.
     axes: [DVec3; 3],
@@ -31,12 +33,12 @@ pub struct Placed<'a> {
 
 const UPRIGHT: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
-impl<'a> Placed<'a> {
+impl Placed {
     /// The elastic body, in world; `skin` where it is a mesh.
-    pub fn object(shape: &ObjectShape<'_>, skin: Option<&'a Mesh>) -> Self {
+    pub fn object(shape: &ObjectShape<'_>, skin: Option<&Mesh>) -> Self {
         let raised = |solid, height: f32| Self { solid, origin: DVec3::Z * f64::from(height) / 2.0, axes: UPRIGHT };
         match (*shape, skin) {
-            (_, Some(mesh)) => raised(Solid::Mesh(mesh), 0.0),
+            (_, Some(mesh)) => raised(Solid::Mesh(Boxes::new(mesh)), 0.0),
             (ObjectShape::HalfSpace | ObjectShape::Mesh(_), None) => raised(Solid::HalfSpace, 0.0),
             (ObjectShape::Box { size }, None) => raised(Solid::Box(size.as_dvec3() / 2.0), size.z),
             (ObjectShape::Sphere { radius }, None) => raised(Solid::Ellipsoid(DVec3::splat(radius.into())), 2.0 * radius),
@@ -48,10 +50,10 @@ impl<'a> Placed<'a> {
     }
 
     /// A part of the probe, in the probe's frame; `skin` where it is a mesh. `None` for a mesh without one.
-    pub fn part(part: &ProbePart<'_>, skin: Option<&'a Mesh>) -> Option<Self> {
+    pub fn part(part: &ProbePart<'_>, skin: Option<&Mesh>) -> Option<Self> {
         let half = |length: f32| f64::from(length) / 2.0;
         let solid = match (part.shape, skin) {
-            (_, Some(mesh)) => Solid::Mesh(mesh),
+            (_, Some(mesh)) => Solid::Mesh(Boxes::new(mesh)),
             (ProbeShape::Mesh(_), None) => return None,
             (ProbeShape::Sphere { radius }, None) => Solid::Ellipsoid(DVec3::splat(radius.into())),
             (ProbeShape::Box { size }, None) => Solid::Box(size.as_dvec3() / 2.0),
@@ -71,23 +73,23 @@ impl<'a> Placed<'a> {
     }
 }
 
-impl Solid<'_> {
+impl Solid {
     fn stretch(&self, o: DVec3, d: DVec3) -> Option<[f64; 2]> {
-        let found = match *self {
+        let found = match self {
             Self::HalfSpace => slab(o.z, d.z, f64::NEG_INFINITY, 0.0),
             Self::Box(half) => {
                 common(&[slab(o.x, d.x, -half.x, half.x), slab(o.y, d.y, -half.y, half.y), slab(o.z, d.z, -half.z, half.z)])
             }
-            Self::Ellipsoid(a) => ball(o / a, d / a, 1.0),
-            Self::Cylinder(radius, half) => common(&[tube(o, d, radius), slab(o.z, d.z, -half, half)]),
-            Self::Cone(radius, height) => {
+            &Self::Ellipsoid(a) => ball(o / a, d / a, 1.0),
+            &Self::Cylinder(radius, half) => common(&[tube(o, d, radius), slab(o.z, d.z, -half, half)]),
+            &Self::Cone(radius, height) => {
                 common(&[cone(o, d, radius / height, -0.75 * height), slab(o.z, d.z, -0.75 * height, 0.25 * height)])
             }
-            Self::Capsule(radius, half) => {
+            &Self::Capsule(radius, half) => {
                 let end = |z: f64| ball(o - DVec3::Z * z, d, radius);
                 either(&[common(&[tube(o, d, radius), slab(o.z, d.z, -half, half)]), end(half), end(-half)])
             }
-            Self::Mesh(mesh) => either(&mesh.triangles.iter().map(|&t| triangle(mesh.corners(t), o, d)).collect::<Vec<_>>()),
+            Self::Mesh(boxes) => either(&boxes.near(o, d).map(|corners| triangle(corners, o, d)).collect::<Vec<_>>()),
         };
         (found[0] <= found[1]).then_some(found)
     }
@@ -164,7 +166,7 @@ mod tests {
 
     const UP: DVec3 = DVec3::Z;
 
-    fn lowest(solid: &Solid<'_>, x: f64) -> Option<f64> {
+    fn lowest(solid: &Solid, x: f64) -> Option<f64> {
         solid.stretch(DVec3::new(x, 0.0, -10.0), UP).map(|[from, _]| from - 10.0)
     }
 
@@ -184,7 +186,7 @@ mod tests {
     #[test]
     fn a_mesh_is_met_like_the_box_it_is() {
         let mesh = haptor_mesh::tessellate::cuboid(DVec3::new(2.0, 4.0, 6.0));
-        let found = Solid::Mesh(&mesh).stretch(DVec3::new(0.3, 0.2, -9.0), UP).unwrap();
+        let found = Solid::Mesh(Boxes::new(&mesh)).stretch(DVec3::new(0.3, 0.2, -9.0), UP).unwrap();
         assert!((found[0] - 6.0).abs() < 1e-12 && (found[1] - 12.0).abs() < 1e-12, "{found:?}");
     }
 }

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::advice::{self, Limits};
-use super::cost::VERTICES;
+use super::cost::{Times, VERTICES};
 use super::errors::{Errors, Off};
+use super::motions::Kind;
 use super::point::{Point, Trade};
 
 /// Heads of the columns; errors are largest (root mean square).
@@ -84,7 +85,7 @@ fn head(trade: &Trade, style: Style) -> String {
     }
     let _ = writeln!(
         text,
-        ".\n\nErrors at {}, largest (root mean square); * no other setting is cheaper and better.\n",
+        ".\n\nErrors at {}, largest (root mean square); * on the frontier: nothing cheaper is better.\n",
         advice::rate(trade.rate)
     );
     text
@@ -99,7 +100,8 @@ fn row(trade: &Trade, point: &Point) -> Vec<String> {
         None => row.extend(vec!["-".to_owned(); 5]),
         Some(cost) => {
             row.push(cost.instructions.map_or("-".to_owned(), |count| count.to_string()));
-            row.extend([cost.p50, cost.worst, cost.max].map(|time| format!("{time:.1}")));
+            let times = cost.times.map(|times| [times.p50, times.worst, times.max].map(|time| format!("{time:.1}")));
+            row.extend(times.unwrap_or_else(|| ["-"; 3].map(str::to_owned)));
             row.push(format!("{:.0}", cost.bytes as f64 / 1000.0));
         }
     }
@@ -180,13 +182,15 @@ fn errors(errors: &Errors) -> Value {
 }
 
 fn point_json(trade: &Trade, point: &Point) -> Value {
-    let cost = point.cost.map(|cost| {
+    let times = |times: Times| {
         json!({
-            "ticks": cost.ticks, "p50_us": cost.p50, "p99_us": cost.p99, "worst_us": cost.worst, "max_us": cost.max,
-            "worst_instructions": cost.instructions, "bytes": cost.bytes,
-            "surface_vertices": VERTICES, "surface_local_us": cost.surface_local, "surface_full_us": cost.surface_full,
+            "ticks": times.ticks, "p50_us": times.p50, "p99_us": times.p99, "worst_us": times.worst, "max_us": times.max,
+            "surface_vertices": VERTICES, "surface_local_us": times.surface_local, "surface_full_us": times.surface_full,
         })
-    });
+    };
+    let cost = point
+        .cost
+        .map(|cost| json!({ "worst_instructions": cost.instructions, "bytes": cost.bytes, "times": cost.times.map(times) }));
     json!({
         "setting": point.setting.name(),
         "tier": point.setting.tier.name(),
@@ -194,7 +198,11 @@ fn point_json(trade: &Trade, point: &Point) -> Value {
         "sweeps": point.setting.sweeps_cells().then_some(point.setting.sweeps),
         "rate_Hz": point.rate,
         "errors": errors(&point.errors),
-        "surface": { "none": { "max": 1.0 }, "local": off(point.surface.local), "full": off(point.surface.full) },
+        "surface": {
+            "none": { "max": 1.0 }, "local": off(point.surface.local), "full": off(point.surface.full),
+            "farthest_after": point.surface.farthest.after.map_or("pressing", Kind::name),
+            "farthest_at_m": point.surface.farthest.place.to_array(),
+        },
         "cost": cost,
         "share_of_period": point.share(),
         "frontier": trade.on_frontier(point),

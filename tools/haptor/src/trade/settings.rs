@@ -37,6 +37,18 @@ impl Setting {
         matches!(self.tier, Tier::Influence | Tier::Green)
     }
 
+    /// The keys of `[model]` that say it in a scene file.
+    pub fn keys(&self) -> String {
+        let mut keys = format!("tier = {:?}", self.tier.name());
+        if self.tier != Tier::Point {
+            keys += &format!(", samples = {}", self.samples);
+        }
+        if self.sweeps_cells() {
+            keys += &format!(", sweeps = {}", self.sweeps);
+        }
+        keys
+    }
+
     /// Name in tables, pictures and sentences: `bristle 64`, `influence 52 x 4`.
     pub fn name(&self) -> String {
         let tier = self.tier.name();

@@ -31,11 +31,11 @@ const SCOUT: usize = 16;
 const PRESS_STEPS: usize = super::motions::PRESS_SAMPLES;
 
 /// Where a patch is: a plane on the object, and the part of the probe that presses there.
-struct Site<'a> {
+struct Site {
     centre: DVec3,
     normal: DVec3,
     tangents: [DVec3; 2],
-    part: Placed<'a>,
+    part: Placed,
     lattice: Lattice,
     /// How far the lattice has gone with the probe, in the plane.
     moved: [f64; 2],
@@ -44,7 +44,7 @@ struct Site<'a> {
     reach: f64,
 }
 
-impl Site<'_> {
+impl Site {
     fn at(&self, [x, y]: [f64; 2]) -> DVec3 {
         self.middle() + self.tangents[0] * x + self.tangents[1] * y
     }
@@ -82,9 +82,9 @@ pub struct Felt {
 }
 
 /// The reference on a scene, at a pose.
-pub struct Truth<'a> {
-    object: Placed<'a>,
-    sites: Vec<Site<'a>>,
+pub struct Truth {
+    object: Placed,
+    sites: Vec<Site>,
     contact: Contact,
     solid: Solid,
     /// Shift per drag and turn per torque that the whole body adds.
@@ -100,9 +100,9 @@ pub struct Truth<'a> {
     pub source: String,
 }
 
-impl<'a> Truth<'a> {
+impl Truth {
     /// The scene with the probe at first touch; `patches` are the core's at `depth`, `across` cells go over each of them. `None` for a part that is a mesh without skin.
-    pub fn new(scene: &'a Scene, touch: f64, depth: f64, patches: &[CorePatch], across: usize) -> Option<Self> {
+    pub fn new(scene: &Scene, touch: f64, depth: f64, patches: &[CorePatch], across: usize) -> Option<Self> {
         let material = scene.object.material;
         let solid = Solid { shear_modulus: material.shear_modulus().into(), poisson_ratio: material.poisson_ratio.into() };
         let skin = scene.object.skin.as_ref().map(|skin| &skin.mesh);
@@ -134,7 +134,7 @@ impl<'a> Truth<'a> {
 
     /// Leads the probe to `place` in one step.
     pub fn lead(&mut self, place: Place) -> Felt {
-        let by = |site: &Site<'_>| site.motion(site.middle(), self.place, place, self.touch);
+        let by = |site: &Site| site.motion(site.middle(), self.place, place, self.touch);
         let motions: Vec<[f64; 3]> = self.sites.iter().map(by).collect();
         for (index, site) in self.sites.iter_mut().enumerate() {
             let [x, y, _] = site.motion(site.centre, self.deepest, place, self.touch);
@@ -243,7 +243,7 @@ impl<'a> Truth<'a> {
             let [ux, uy, sunk] = patch.displacement(self.solid, site.level(place - site.middle()));
             sum += site.tangents[0] * ux + site.tangents[1] * uy - site.normal * sunk;
         }
-        let away = |site: &Site<'_>| (site.middle() - place).length();
+        let away = |site: &Site| (site.middle() - place).length();
         let Some(near) = self.sites.iter().min_by(|a, b| away(a).total_cmp(&away(b))) else { return sum };
         let [x, y] = near.level(place - near.middle());
         for (site, patch) in pairs() {
@@ -256,7 +256,7 @@ impl<'a> Truth<'a> {
     }
 }
 
-impl Site<'_> {
+impl Site {
     /// Gap of the undeformed bodies over every cell, negative where they overlap.
     fn separation(&self, place: Place, touch: f64) -> Vec<f64> {
         let origin = position(place, touch);
@@ -288,20 +288,12 @@ fn position(place: Place, touch: f64) -> DVec3 {
 }
 
 /// Height of the object over a foot on a plane, measured from outside.
-fn height(object: &Placed<'_>, foot: DVec3, normal: DVec3, reach: f64) -> Option<f64> {
+fn height(object: &Placed, foot: DVec3, normal: DVec3, reach: f64) -> Option<f64> {
     object.stretch(foot + normal * reach, -normal).map(|[meets, _]| reach - meets.max(0.0))
 }
 
 /// The site of a core's patch, its lattice as large as the contact that a coarse solution finds.
-fn site<'a>(
-    patch: &CorePatch,
-    part: Placed<'a>,
-    object: &Placed<'_>,
-    touch: f64,
-    deepest: Place,
-    solid: Solid,
-    across: usize,
-) -> Site<'a> {
+fn site(patch: &CorePatch, part: Placed, object: &Placed, touch: f64, deepest: Place, solid: Solid, across: usize) -> Site {
     let normal = patch.normal.as_dvec3().normalize();
     let first = (DVec3::X - normal * normal.x).normalize();
     let a = f64::from(patch.footprint.radius);
@@ -331,9 +323,9 @@ fn site<'a>(
     site
 }
 
-impl Site<'_> {
+impl Site {
     /// Measures the object under the lattice.
-    fn survey(&mut self, object: &Placed<'_>) {
+    fn survey(&mut self, object: &Placed) {
         let mut ground = vec![f64::NEG_INFINITY; self.lattice.len()];
         for (index, cell) in self.lattice.cells() {
             if let Some(height) = height(object, self.at(cell), self.normal, self.reach) {
@@ -344,7 +336,7 @@ impl Site<'_> {
     }
 
     /// A lattice over the given half widths, `across` cells over the wider.
-    fn fit(&mut self, object: &Placed<'_>, half: [f64; 2], across: usize) {
+    fn fit(&mut self, object: &Placed, half: [f64; 2], across: usize) {
         let edge = 2.0 * half[0].max(half[1]) / across as f64;
         let [columns, rows] = half.map(|half| ((2.0 * half / edge).ceil() as usize).max(4));
         self.lattice = Lattice::new(columns, rows, edge);
@@ -373,7 +365,7 @@ fn stiffer(scene: &Scene, solid: Solid, depth: f64) -> f64 {
 }
 
 /// What moves the ground under the patches beyond their own half space, and where that comes from.
-fn ground(scene: &Scene, sites: &[Site<'_>], patches: &[CorePatch], solid: Solid, flat: bool) -> (Ground, [f64; 2], String) {
+fn ground(scene: &Scene, sites: &[Site], patches: &[CorePatch], solid: Solid, flat: bool) -> (Ground, [f64; 2], String) {
     let (nu, g, count) = (solid.poisson_ratio, solid.shear_modulus, sites.len());
     let a = patches.iter().map(|patch| f64::from(patch.footprint.radius)).sum::<f64>() / count as f64;
     let mean = |of: fn(&CorePatch) -> f32| patches.iter().map(|patch| f64::from(of(patch))).sum::<f64>() / count as f64;
@@ -417,8 +409,8 @@ fn ground(scene: &Scene, sites: &[Site<'_>], patches: &[CorePatch], solid: Solid
 }
 
 /// Motion of patch `i` by a unit of each component of patch `j`'s grip, by shear and twist of the whole body.
-fn columns_of_body(i: &Site<'_>, j: &Site<'_>, drag: f64, twist: f64) -> [[f64; 3]; 3] {
-    let arm = |site: &Site<'_>| site.centre.with_z(0.0);
+fn columns_of_body(i: &Site, j: &Site, drag: f64, twist: f64) -> [[f64; 3]; 3] {
+    let arm = |site: &Site| site.centre.with_z(0.0);
     [0, 1, 2].map(|component| {
         let (force, torque) = match component {
             0 | 1 => (j.tangents[component], arm(j).cross(j.tangents[component]).z),
@@ -431,7 +423,7 @@ fn columns_of_body(i: &Site<'_>, j: &Site<'_>, drag: f64, twist: f64) -> [[f64; 
 }
 
 /// The same by the flat surface between them: point force and point torque on the half space.
-fn add_neighbour(columns: &mut [[f64; 3]; 3], i: &Site<'_>, j: &Site<'_>, solid: Solid) {
+fn add_neighbour(columns: &mut [[f64; 3]; 3], i: &Site, j: &Site, solid: Solid) {
     let (nu, g) = (solid.poisson_ratio, solid.shear_modulus);
     let [x, y] = j.level(i.centre - j.centre);
     let r = x.hypot(y);
