@@ -30,9 +30,6 @@ const DOTS: (i32, i32, i32) = (7, 5, 12);
 /// Grey of the frontier.
 const FRONTIER: RGBColor = RGBColor(120, 120, 120);
 
-/// Every tier, in the order of the legend.
-const TIERS: [Tier; 5] = Tier::ALL;
-
 /// What goes wrong while painting.
 type Wrong = Box<dyn std::error::Error>;
 
@@ -176,7 +173,7 @@ fn legend(area: &Area<'_>, dots: &[Dot]) -> Result<(), Wrong> {
         (left + 10, 50 + line)
     };
     let say = |text: &str, (x, y): (i32, i32)| area.draw(&Text::new(text.to_owned(), (x + 20, y - 10), (FONT, 19)));
-    for tier in TIERS.into_iter().filter(|tier| dots.iter().any(|dot| dot.tier == *tier)) {
+    for tier in Tier::ALL.into_iter().filter(|tier| dots.iter().any(|dot| dot.tier == *tier)) {
         let at = next();
         mark(area, at, tier, true, false)?;
         say(tier.name(), at)?;
