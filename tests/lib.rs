@@ -9,3 +9,6 @@ pub mod bodies;
 
 #[path = "stability/mod.rs"]
 pub mod stability;
+
+#[path = "extremes/mod.rs"]
+pub mod extremes;

@@ -83,6 +83,7 @@ fn the_header_says_what_the_library_does() {
         flag("HAPTOR_FLAG_TIER_LOWERED", Flags::TIER_LOWERED),
         flag("HAPTOR_FLAG_BIRTH_WAITS", Flags::BIRTH_WAITS),
         flag("HAPTOR_FLAG_PASSIVITY_DAMPED", Flags::PASSIVITY_DAMPED),
+        flag("HAPTOR_FLAG_POSE_COARSE", Flags::POSE_COARSE),
         tier("HAPTOR_TIER_POINT", Tier::Point),
         tier("HAPTOR_TIER_PAPER", Tier::Paper),
         tier("HAPTOR_TIER_BRISTLE", Tier::Bristle),

@@ -12,6 +12,7 @@ mod c_device;
 #[path = "../support/cli.rs"]
 mod cli;
 mod closed_forms;
+mod corners;
 mod counts;
 mod demo_drills;
 mod determinism;

@@ -48,6 +48,7 @@ extern "C" {
 #define HAPTOR_FLAG_TIER_LOWERED 0x0800u
 #define HAPTOR_FLAG_BIRTH_WAITS 0x1000u
 #define HAPTOR_FLAG_PASSIVITY_DAMPED 0x2000u
+#define HAPTOR_FLAG_POSE_COARSE 0x4000u
 
 /* haptor_report.tier. */
 #define HAPTOR_TIER_POINT 0u

@@ -215,7 +215,9 @@ const SQUARE_TWIST_OFF: f32 = 2.338;
 /// calibration C_t G b = (1.79 + (0.5 - nu))(1 - 1.75 (a/b)^2) exactly.
 fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
     let b = root(size.x * size.y);
-    let (beam, square) = (box_beam(size, height), box_beam(Vec3::new(b, b, size.z), height));
+    // at the held plane both beams have no length, and their quotient is that of the least one
+    let length = max(height, LEAST_LENGTH * b);
+    let (beam, square) = (box_beam(size, length), box_beam(Vec3::new(b, b, size.z), length));
     let h = height / b;
     let ratio = min(a / min(size.x, size.y), WIDEST);
     // the half-space part of a wide patch already holds part of the body
@@ -225,6 +227,9 @@ fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
     let drag = calibrated * lateral(&beam, g, nu) / lateral(&square, g, nu);
     Compliance { normal: 0.0, drag, twist: box_twist(size, height, g) }
 }
+
+/// Shortest beam whose compliances are compared, as a share of its width: its cube over that of the longest body stays within an f32.
+const LEAST_LENGTH: f32 = 1.0e-6;
 
 fn box_twist(size: Vec3, height: f32, g: f32) -> f32 {
     let b = root(size.x * size.y);
@@ -321,6 +326,18 @@ mod tests {
             assert!((found.drag / drag - 1.0).abs() < 0.01, "nu {nu}: {found:?} expected {drag}");
             assert!((found.twist * g * 1.0e-3 / 4.75 - 1.0).abs() < 0.01, "nu {nu}: {found:?}");
             assert_eq!(found.normal, 0.0);
+        }
+    }
+
+    #[test]
+    fn a_patch_at_the_held_plane_or_below_has_figures() {
+        let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+        let object = ObjectShape::Box { size: Vec3::new(0.06, 0.05, 0.04) };
+        let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();
+        for z in [0.0, -1.0e-3, 1.0e-9] {
+            let found = compliance(&model, Vec3::new(0.03, 0.0, z), Vec3::X, 0.004, 0.0);
+            assert!(found.drag >= 0.0 && found.drag < 1.0e-4 && found.twist >= 0.0 && found.normal >= 0.0, "{z}: {found:?}");
         }
     }
 

@@ -42,9 +42,12 @@ impl Flags {
     pub const BIRTH_WAITS: Self = Self(1 << 12);
     /// The handle's port had given out more energy than it took; damping was added to the wrench.
     pub const PASSIVITY_DAMPED: Self = Self(1 << 13);
+    /// A contact is so shallow, or so far from the origin, that the pose's digits no longer tell its depth ([`COARSE_STEPS`](crate::COARSE_STEPS)): move the
+    /// scene nearer to the origin, or press deeper.
+    pub const POSE_COARSE: Self = Self(1 << 14);
 
     /// Names of the bits, lowest first.
-    pub const NAMES: [&'static str; 14] = [
+    pub const NAMES: [&'static str; 15] = [
         "pose refused",
         "pose jump",
         "region refused",
@@ -59,6 +62,7 @@ impl Flags {
         "tier lowered",
         "birth waits",
         "passivity damped",
+        "pose coarse",
     ];
 
     /// True when every bit of `other` is set.

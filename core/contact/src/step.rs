@@ -4,14 +4,15 @@
 //! *Patch*: a contact that is followed from tick to tick. *Region*: patches closer than `region_distance`. *Anchor*: where a patch
 //! sticks. *Grip*: what friction holds. *Wrench*: force and torque on the probe about its mass centre, in world.
 
+use glam::Vec3;
 use heapless::VecView;
 
 use crate::budget::{self, Counts, Rung};
 use crate::coupling;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
-use crate::limits::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE, QUATERNION_TOLERANCE};
-use crate::math::{atan2, root};
+use crate::limits::{COARSE_STEPS, MAX_DISTANCE, MAX_SPEED, MAX_TICK, MAX_TURN_RATE, MIN_TICK, QUATERNION_TOLERANCE};
+use crate::math::{atan2, max, min, root};
 use crate::model::Model;
 use crate::params::Params;
 use crate::patch::Patch;
@@ -27,7 +28,7 @@ use crate::wrench::Wrench;
 pub struct Input {
     /// Pose `x_wh` of the handle in world, its origin where the probe's mass centre is when the coupling is slack: the probe's own pose when it is direct.
     pub pose: Pose<World, ProbeFrame>,
-    /// Time since the previous tick \[s\]; used by the guard's rates, the jump test and the virtual coupling only.
+    /// Time since the previous tick \[s\], [`MIN_TICK`] to [`MAX_TICK`]; used by the guard's rates, the jump test and the virtual coupling only.
     pub dt: f32,
 }
 
@@ -76,7 +77,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
         }
     };
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
-    flags |= force::press(model, params, &scratch.contacts, patches);
+    flags |= force::press(model, params, &scratch.contacts, patches) | coarseness(patches, &now);
     // 4 torque
     let changed = take_up(params, rung, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
@@ -90,6 +91,14 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     remember(params, memory, patches, now, births, flags);
     // 7 guard
     finish(params, memory, patches, Some(&handle), input.dt, flags)
+}
+
+/// Whether some contact is too shallow for the digits of its place.
+fn coarseness(patches: &[Patch], now: &Pose<World, ProbeFrame>) -> Flags {
+    let largest = |v: Vec3| max(v.x.abs(), max(v.y.abs(), v.z.abs()));
+    let place = largest(now.position);
+    let is_coarse = |patch: &Patch| patch.depth < COARSE_STEPS * f32::EPSILON * max(place, largest(patch.centre));
+    if patches.iter().any(is_coarse) { Flags::POSE_COARSE } else { Flags::CLEAN }
 }
 
 /// A contact that is not finite is dropped whole: nothing of it may live on.
@@ -143,7 +152,10 @@ fn accept(memory: &mut Memory, input: &Input) -> (Option<Pose<World, ProbeFrame>
     if !(dt > 0.0 && dt.is_finite()) {
         return (None, Flags::POSE_REFUSED);
     }
-    memory.since_last_pose += dt;
+    memory.since_last_pose = min(memory.since_last_pose + dt, MAX_TICK);
+    if !(MIN_TICK..=MAX_TICK).contains(&dt) {
+        return (None, Flags::POSE_REFUSED);
+    }
     let norm = root(pose.rotation.length_squared());
     let sound = pose.position.is_finite() && pose.position.length() <= MAX_DISTANCE && (norm - 1.0).abs() <= QUATERNION_TOLERANCE;
     if !sound {

@@ -11,6 +11,7 @@ mod counting;
 mod counts;
 mod demo;
 mod docs;
+mod extremes;
 mod fuzz;
 mod golden;
 #[path = "../../../tests/support/growth.rs"]
@@ -92,6 +93,9 @@ enum Cli {
         #[arg(long)]
         accept: bool,
     },
+    /// Walks the ends of the ranges, runs random cases against the laws, and writes EXTREMES.md with its map
+    #[command(after_help = "Example: cargo xtask extremes --steps 100000000 --accept")]
+    Extremes(extremes::Args),
     /// Measures the loop on this machine: beside cyclictest, at rates up to 8 kHz, with rights left out; tests/bench/LOOP.md
     #[command(after_help = "Example: cargo xtask loop --minutes 10 --seconds 30 --accept")]
     Loop(real_time_loop::Args),
@@ -173,6 +177,7 @@ fn main() -> ExitCode {
         Cli::Guest { seconds, latency: true, accept, .. } => guest::run(seconds, guest::What::Latency, accept),
         Cli::Guest { seconds, drills: true, accept, .. } => guest::run(seconds, guest::What::Drills, accept),
         Cli::Guest { seconds, accept, .. } => guest::run(seconds, guest::What::Sessions, accept),
+        Cli::Extremes(args) => extremes::run(&args),
         Cli::Loop(args) => real_time_loop::run(&args),
         Cli::Golden { accept } => golden::run(accept),
         Cli::Peers { rounds, seconds, table } => peers::run(rounds, seconds, table),

@@ -75,6 +75,20 @@ pub fn ask(program: impl AsRef<Path>, args: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
+/// Date, cores, processor, kernel and compiler, as tables name them.
+pub fn machine() -> String {
+    let line = |program, args: &[&str]| ask(program, args).unwrap_or_default();
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ")).map_or("", |(_, name)| name);
+    format!(
+        "{}, {} cores of {model}, Linux {}, {}",
+        line("date", &["+%-d %B %Y"]),
+        line("nproc", &[]),
+        line("uname", &["-r"]),
+        line("rustc", &["--version"])
+    )
+}
+
 /// Installs Debian's packages where that is possible; where it is not, the caller says what to do.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
-use crate::run::{self, ask, root};
+use crate::run::{self, root};
 
 /// Measures every scene with the host tool in release; `ticks` in place of the tool's own number of timed ticks.
 pub fn run(ticks: Option<usize>, quick: bool, kept_only: bool) -> Result<ExitCode> {
@@ -27,7 +27,7 @@ pub fn run(ticks: Option<usize>, quick: bool, kept_only: bool) -> Result<ExitCod
         return Ok(ExitCode::SUCCESS);
     }
     let again = if quick { "cargo xtask trade --quick" } else { "cargo xtask trade" };
-    let mut text = HEAD.replace("{again}", again).replace("{machine}", &machine());
+    let mut text = HEAD.replace("{again}", again).replace("{machine}", &run::machine());
     let ticks = ticks.map(|ticks| format!("--ticks={ticks}"));
     for name in &scenes {
         let picture = format!("--picture=tests/bench/trade-{name}.png");
@@ -63,20 +63,6 @@ fn write(file: &std::path::Path, text: &str) -> Result<()> {
     fs::write(file, text).with_context(|| format!("{}", file.display()))?;
     println!("{} written", file.display());
     Ok(())
-}
-
-/// Date, cores, processor, kernel.
-fn machine() -> String {
-    let line = |program, args: &[&str]| ask(program, args).unwrap_or_default();
-    let cpu = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ")).map_or("", |(_, name)| name);
-    format!(
-        "{}, {} cores of {model}, Linux {}, {}",
-        line("date", &["+%-d %B %Y"]),
-        line("nproc", &[]),
-        line("uname", &["-r"]),
-        line("rustc", &["--version"])
-    )
 }
 
 const HEAD: &str = "\

@@ -66,7 +66,9 @@ fn contact_of(model: &Model<'_>, index: u8, part: &ProbePart<'_>, x_wa: &Pose<Wo
         return None;
     }
     let seat = Seat::new(model, part, x_wa, &at);
-    let centre = seat.centroid().map_or(at.point, |p_a| x_wa.point(p_a));
+    // a sliver cut by an edge may have no centroid: the deepest point stands for it
+    let centroid = seat.centroid().filter(|p_a| p_a.is_finite());
+    let centre = centroid.map_or(at.point, |p_a| x_wa.point(p_a));
     Some(Contact { part: index, centre, normal: at.gap.normal, depth, seat })
 }
 

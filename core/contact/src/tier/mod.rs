@@ -6,6 +6,7 @@ pub mod paper;
 pub mod point;
 
 use crate::footprint::Footprint;
+use crate::limits::LEAST_FRICTION;
 use crate::math::{cbrt, clamp, max, min, pow, root};
 use crate::model::{Compliance, Model};
 use crate::params::Params;
@@ -19,7 +20,7 @@ pub struct Hold {
     pub radius: f32,
     /// Radius that the arms of a twist count by \[m\]: a, and more where the patch is long.
     pub arm: f32,
-    /// Normal load P \[N\].
+    /// Normal load P \[N\]; none where friction has too few digits to be followed ([`LEAST_FRICTION`]).
     pub load: f32,
     /// Pressure profile.
     pub profile: Profile,
@@ -55,7 +56,7 @@ impl Hold {
         Self {
             radius: a,
             arm: a * longer,
-            load: patch.footprint.load,
+            load: if is_followed(params, patch) { patch.footprint.load } else { 0.0 },
             profile: Profile::new(patch.footprint.fullness),
             drag_stiffness: 8.0 * g * a / (2.0 - model.material.poisson_ratio),
             twist_stiffness: 16.0 / 3.0 * g * a * a * a * stiffer(longer, model.material.poisson_ratio) * max(convex, 0.0),
@@ -99,6 +100,11 @@ const LONGEST: f32 = 100.0;
 const STIFFER: f32 = 2.05;
 /// See [`STIFFER`].
 const STIFFER_BY_POISSON: f32 = 1.6;
+
+/// The patch's friction budget is one that an f32 can share out.
+fn is_followed(params: &Params, patch: &Patch) -> bool {
+    params.mu_s * patch.footprint.load >= LEAST_FRICTION
+}
 
 /// What a tick leaves of a shift, held to twice the shift that takes contact and body from rest to full slip: more cannot matter, and where the
 /// body is 1e7 times softer than the contact f32 would let it grow without end.

@@ -64,7 +64,7 @@ pub fn hold(model: &Model<'_>, params: &Params, count: usize, patches: &mut [Pat
     let mut flags = Flags::CLEAN;
     for patch in patches.iter_mut() {
         patch.paper.turned += patch.motion.turn;
-        if patch.footprint.load <= 0.0 || patch.footprint.radius <= 0.0 {
+        if !super::is_followed(params, patch) || patch.footprint.radius <= 0.0 {
             let_go(patch);
             continue;
         }
