@@ -170,7 +170,7 @@ impl Standing<'_> {
         let mut last = (1.0, unit * root(top.area));
         let mut line = Line::through((0.0, 0.0), last);
         let mut cuts = [Overlap::default(); CUTS.len()];
-        for (cut, s) in cuts.iter_mut().zip(CUTS).rev() {
+        for (cut, s) in cuts.iter_mut().rev().zip(CUTS.into_iter().rev()) {
             let mut slice = *top;
             for _ in 0..SECANTS {
                 let x = clamp(line.meets(s), LOWEST * s, s);
