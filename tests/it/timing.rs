@@ -23,7 +23,7 @@ fn table() -> Vec<Kept> {
     let text =
         fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}; make it: cargo xtask timing", file.display()));
     let rows = rows(&text);
-    let inputs = fs::read_dir(root().join("tests/bench/worst")).unwrap().count();
+    let inputs = fs::read_dir(root().join(worst::FOLDER)).unwrap().count();
     assert!(inputs > 0 && rows.len() == inputs, "{} has {} rows for {inputs} inputs", file.display(), rows.len());
     rows
 }
@@ -104,18 +104,71 @@ fn fixed_motions_of_the_cube_cost_no_more_than_the_table_says() {
         let stages: u64 = level["stages"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
         assert_eq!(stages, level["dearest"]["cost"].as_u64().unwrap(), "{name}: stages do not add up");
     }
-    let exercised = &report["exercised"]["conditions"];
-    for condition in [
-        "region born",
-        "region left",
-        "sticks and slips",
-        "slips all over",
-        "cells fitted anew",
-        "tier changed",
-        "pose jump",
-        "force limited",
-    ] {
-        assert!(exercised[condition].as_u64().unwrap() > 0, "{condition} was not exercised");
+    let of_two = |why: &str| why.starts_with("cannot be: the probe has one part");
+    let missing: Vec<_> = unmet(&report).into_iter().filter(|(_, why)| !of_two(why)).collect();
+    assert_eq!(missing, [], "not exercised");
+    let vertices = report["levels"].as_array().unwrap().iter().flat_map(|level| level["units"].as_array().unwrap());
+    let costs: Vec<_> = vertices.filter(|unit| unit["one_more"] == "vertex of the surface").collect();
+    assert_eq!(costs.len(), report["levels"].as_array().unwrap().len());
+    // the surface is computed alike in every tier: a vertex under one patch, with the motion of the body
+    assert!(costs.iter().all(|unit| (100.0..500.0).contains(&unit["cost"].as_f64().unwrap())), "{costs:?}");
+}
+
+/// Conditions that were not met, and why.
+fn unmet(report: &Value) -> Vec<(String, String)> {
+    let listed = report["exercised"]["not_met"].as_object().unwrap();
+    listed.iter().map(|(condition, why)| (condition.clone(), why.as_str().unwrap().to_owned())).collect()
+}
+
+const TWO_BALLS: &str = "\
+[object]
+shape = 'box'
+size = [0.1, 0.1, 0.1]
+young_modulus = 3.0e6
+poisson_ratio = 0.5
+density = 1100.0
+compliance = { normal = 0.0, drag = 1.0e-5, twist = 1.0e-2 }
+
+[probe]
+shape = 'compound'
+mass = 1.0
+
+[[probe.part]]
+shape = 'sphere'
+radius = 0.01
+position = [-0.02, 0.0, 0.0]
+
+[[probe.part]]
+shape = 'sphere'
+radius = 0.01
+position = [0.02, 0.0, 0.0]
+
+[friction]
+dynamic = 0.75
+";
+
+/// Every branch is exercised where the probe has two parts, and what is known before is measured too.
+#[test]
+fn two_parts_bring_about_every_condition() {
+    let (programs, folder) = (folder_of_programs(), tempfile::tempdir().unwrap());
+    let scene = folder.path().join("two-balls.toml");
+    fs::write(&scene, TWO_BALLS).unwrap();
+    // a motion that costs next to nothing and is dearer than no other
+    let known = folder.path().join("two-balls-point.csv");
+    fs::write(&known, "t,px,py,pz,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n0.001,0,0,0.2,1,0,0,0\n").unwrap();
+    let mut tool = assert_cmd::Command::new(programs.path().join("haptor"));
+    let args = ["timing", "two-balls.toml", "--search-seconds", "0", "--ticks", "1000000000", "--time-seconds", "1", "--json"];
+    let said = tool.current_dir(folder.path()).args(args).args(["--known", "."]).assert().success();
+    let report: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+    assert_eq!(unmet(&report), [], "not exercised");
+    let of_merged = |level: &Value| {
+        level["motions"].as_array().unwrap().iter().any(|m| m["motion"].as_str() == Some("one region of all patches, 2 parts"))
+    };
+    assert!(report["levels"].as_array().unwrap().iter().all(of_merged));
+    assert_eq!(report["other_coupling"]["name"], "virtual coupling");
+    for level in report["levels"].as_array().unwrap() {
+        let ticks = level["time"]["ticks"].as_u64().unwrap();
+        assert!(0 < ticks && ticks < 1_000_000_000, "a run ends when its time is over: {ticks}");
     }
 }
 

@@ -18,6 +18,9 @@ pub struct Kept {
     pub motions: u64,
 }
 
+/// Where the inputs lie, from the repository's root.
+pub const FOLDER: &str = "tests/bench/worst";
+
 /// Where the table lies; `root` is the repository's.
 pub fn table_file(root: &Path) -> PathBuf {
     root.join("tests/bench/WORST.md")
@@ -36,7 +39,7 @@ impl Kept {
 
     /// The input, from the repository's root.
     pub fn input(&self) -> String {
-        format!("tests/bench/worst/{}-{}.csv", self.scene, self.level.replace(' ', "-"))
+        format!("{FOLDER}/{}-{}.csv", self.scene, self.level.replace(' ', "-"))
     }
 
     /// The tier's name.

@@ -1,5 +1,6 @@
 //! The arguments of `haptor-measure`.
 
+use std::num::NonZeroU16;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -49,6 +50,9 @@ pub enum How {
         /// CPU to run on; default: the last one it may use, if it is granted the real-time class
         #[arg(long, value_name = "N")]
         cpu: Option<usize>,
+        /// Longest run: then fewer ticks are timed [s]
+        #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..))]
+        seconds: Option<u32>,
     },
     /// The least time of each tick over some rounds
     Fastest {
@@ -57,7 +61,11 @@ pub enum How {
         rounds: u32,
     },
     /// Nothing: every tick once, for an instruction counter to watch
-    Count,
+    Count {
+        /// Then the surface of so many points once, as a viewer watches it: a square of 0.1 m around the deepest contact
+        #[arg(long, value_name = "POINTS")]
+        surface: Option<NonZeroU16>,
+    },
 }
 
 impl From<Rt> for RtPolicy {

@@ -99,14 +99,25 @@ pub fn fastest(engine: &mut Engine<'_>, ops: &[Op], rounds: u32, clock: &impl Cl
     least
 }
 
-/// At least `ticks` ticks, the stream over and over; every one into the histogram. A stream without ticks ends at once.
-pub fn time(engine: &mut Engine<'_>, ops: &[Op], ticks: u64, clock: &impl Clock, done: &AtomicU64, timed: &mut Timed) {
+/// How long a timed run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Length {
+    /// Ticks.
+    pub ticks: u64,
+    /// Time after which fewer will do, breaths with it \[ns\].
+    pub most_ns: u64,
+}
+
+/// The stream over and over; every tick into the histogram. A stream without ticks ends at once.
+pub fn time(engine: &mut Engine<'_>, ops: &[Op], length: Length, clock: &impl Clock, done: &AtomicU64, timed: &mut Timed) {
     timed.clock_ns = clock_cost(clock);
     if !ops.iter().any(|op| matches!(op, Op::Tick { .. })) {
         return;
     }
     let put_aside = preemptions();
+    let Length { ticks, most_ns } = length;
     let (mut left, mut began) = (ticks, clock.now_ns());
+    let end = began.saturating_add(most_ns);
     for op in ops.iter().cycle() {
         if let Op::Tick { x_dh, dt } = op {
             let before = clock.now_ns();
@@ -114,7 +125,7 @@ pub fn time(engine: &mut Engine<'_>, ops: &[Op], ticks: u64, clock: &impl Clock,
             let after = clock.now_ns();
             timed.durations.record_ns(after - before);
             left -= 1;
-            if left == 0 {
+            if left == 0 || after > end {
                 break;
             }
             if after - began > WORK_NS {
@@ -148,6 +159,8 @@ fn preemptions() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
     use crate::rt::clock::Virtual;
     use haptor_contact::{Quat, Vec3};
@@ -163,6 +176,31 @@ mod tests {
         std::iter::once(Op::Rest).chain((0..50).map(tick)).collect()
     }
 
+    const fn of(ticks: u64) -> Length {
+        Length { ticks, most_ns: u64::MAX }
+    }
+
+    /// Every look at it takes a microsecond.
+    struct Steady(Cell<u64>);
+
+    impl Clock for Steady {
+        fn now_ns(&self) -> u64 {
+            self.0.replace(self.0.get() + 1000)
+        }
+
+        fn sleep_until_ns(&self, _: u64) {}
+    }
+
+    #[test]
+    fn a_run_ends_when_its_time_is_over() {
+        let scene = ball();
+        let (mut engine, mut timed) = (scene.engine().unwrap(), Timed::new());
+        let (length, clock) = (Length { ticks: 1_000_000, most_ns: 1_000_000 }, Steady(Cell::new(0)));
+        engine.with(|engine| time(engine, &press(), length, &clock, &AtomicU64::new(0), &mut timed));
+        // two looks a tick
+        assert!((490..=510).contains(&timed.durations.count()), "{}", timed.durations.count());
+    }
+
     #[test]
     fn every_tick_is_run_and_no_more_are_timed_than_asked_for() {
         let scene = ball();
@@ -171,7 +209,7 @@ mod tests {
         let least = engine.with(|engine| fastest(engine, &press(), 2, &Virtual::default()));
         assert_eq!(least, [0; 50]);
         let (mut timed, done) = (Timed::new(), AtomicU64::new(0));
-        engine.with(|engine| time(engine, &press(), 120, &Virtual::default(), &done, &mut timed));
+        engine.with(|engine| time(engine, &press(), of(120), &Virtual::default(), &done, &mut timed));
         assert_eq!(timed.durations.count(), 120);
     }
 
@@ -180,7 +218,7 @@ mod tests {
         let scene = ball();
         let mut engine = scene.engine().unwrap();
         let mut timed = Timed::new();
-        engine.with(|engine| time(engine, &[Op::Rest], 5, &Virtual::default(), &AtomicU64::new(0), &mut timed));
+        engine.with(|engine| time(engine, &[Op::Rest], of(5), &Virtual::default(), &AtomicU64::new(0), &mut timed));
         assert_eq!(timed.durations.count(), 0);
     }
 }

@@ -16,15 +16,24 @@ use crate::run::{self, ask, root, target};
 use crate::scenes::SCENES;
 use crate::worst::{self, Kept, rows};
 
+/// Tiers of a ready scene.
+const TIERS: usize = 4;
+
+/// Time of a timed run over that of its ticks: the measuring program leaves a fifth to others.
+const WITH_BREATHS: f64 = 1.25;
+
 /// What is asked for.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Ticks to time for each tier
     #[arg(long, value_name = "N", default_value_t = 10_000_000)]
     ticks: u64,
-    /// Length of the search for each tier [s]
+    /// Length of the search for each tier [s]; it begins with what is kept
     #[arg(long, value_name = "S", default_value_t = 120)]
     search_seconds: u64,
+    /// Longest time for the ticks of all tiers and scenes together [min]: cheap ones get all of them, dear ones what is left
+    #[arg(long, value_name = "MIN", value_parser = clap::value_parser!(u32).range(1..))]
+    minutes: Option<u32>,
     /// Count the kept inputs and the fixed motions anew; search and time nothing
     #[arg(long)]
     kept: bool,
@@ -92,13 +101,29 @@ fn written(file: &Path, text: &str) -> Result<ExitCode> {
 /// Runs the tool on every scene; yields the folder with the results.
 fn measure(args: &Args, haptor: &Path) -> Result<PathBuf> {
     let folder = target()?.join("timing");
-    for scene in SCENES.into_iter().filter(|scene| args.has(scene)) {
+    let scenes: Vec<_> = SCENES.into_iter().filter(|scene| args.has(scene)).collect();
+    let mut left = args.minutes.map(|minutes| f64::from(60 * minutes));
+    for (done, scene) in scenes.iter().enumerate() {
         let mut command = run::program(haptor);
         command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]);
-        command.args(["--search-seconds", &args.search_seconds.to_string(), "-o"]).arg(folder.join(scene));
-        run::run(&mut command)?;
+        command.args(["--search-seconds", &args.search_seconds.to_string(), "--known", worst::FOLDER]);
+        if let Some(left) = left {
+            // what cheap tiers do not need is left to the dear ones: scenes come cheapest first
+            let each = (left / (TIERS * (scenes.len() - done)) as f64).max(1.0);
+            command.args(["--time-seconds", &(each as u32).to_string()]);
+        }
+        run::run(command.arg("-o").arg(folder.join(scene)))?;
+        let spent: f64 = list(&report(&folder.join(scene).join("timing.json"))?["levels"]).iter().map(seconds).sum();
+        left = left.map(|left| left - spent);
     }
     Ok(folder)
+}
+
+/// Time that the ticks of a level took, as far as the report tells: the mean of its histogram over all of them, breaths with it \[s\].
+fn seconds(level: &Value) -> f64 {
+    let bins = list(&level["time"]["bins"]).iter();
+    let ns: f64 = bins.map(|bin| number(&bin[0]) as f64 * number(&bin[1]) as f64).sum();
+    WITH_BREATHS * ns / 1.0e9
 }
 
 fn report(file: &Path) -> Result<Value> {
@@ -229,7 +254,15 @@ fn scene_text(into: &mut String, scene: &str, report: &Value) -> Result<()> {
             text(&unit["how"])
         )?;
     }
+    other_coupling(into, &report["other_coupling"])?;
     exercised(into, &report["exercised"])
+}
+
+fn other_coupling(into: &mut String, other: &Value) -> Result<()> {
+    let Some(dearest) = list(&other["motions"]).iter().max_by_key(|motion| number(&motion["worst"])) else { return Ok(()) };
+    let (name, level, motion) = (text(&other["name"]), text(&other["level"]), text(&dearest["motion"]));
+    writeln!(into, "- {name}, {level}: {} instructions at most in the fixed motions ({motion})", dearest["worst"])?;
+    Ok(())
 }
 
 fn stages(into: &mut String, levels: &[Value]) -> Result<()> {
@@ -252,14 +285,12 @@ fn exercised(into: &mut String, report: &Value) -> Result<()> {
         .filter(|(_, ticks)| number(ticks) > 0)
         .map(|(count, _)| count.to_string())
         .collect();
-    let unmet: Vec<_> = report["conditions"]
-        .as_object()
-        .into_iter()
-        .flatten()
-        .filter(|(_, ticks)| number(ticks) == 0)
-        .map(|(name, _)| name.as_str())
-        .collect();
-    writeln!(into, "\nExercised in {} ticks: {} regions. Not met: {}.", report["ticks"], reached.join(", "), unmet.join(", "))?;
+    let met = report["conditions"].as_object().into_iter().flatten().filter(|(_, ticks)| number(ticks) > 0);
+    let met: Vec<_> = met.map(|(name, _)| name.as_str()).collect();
+    writeln!(into, "\nExercised in {} ticks: {} regions; {}.", report["ticks"], reached.join(", "), met.join(", "))?;
+    for (name, why) in report["not_met"].as_object().into_iter().flatten() {
+        writeln!(into, "- Not met: {name}: {}.", text(why))?;
+    }
     Ok(())
 }
 

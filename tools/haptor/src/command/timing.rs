@@ -7,20 +7,20 @@ use fastrand::Rng;
 use haptor_contact::{Pose, Tier as CoreTier};
 use haptor_engine::Scene as Baked;
 use haptor_engine::settings::tier_to_wire;
-use haptor_wire::Tuning;
+use haptor_wire::{Coupling, Tuning, VirtualCoupling};
 
 use super::bake::bake;
 use super::eval::TierName;
 use crate::failure::{Failure, Outcome};
 use crate::output::{say, unwritten, write_file};
 use crate::progress;
-use crate::scene::Scene;
+use crate::scene::{Extras, Scene};
 use crate::timing::cover::Cover;
 use crate::timing::history::History;
 use crate::timing::judge::{Dearest, Judge, dearest};
 use crate::timing::level::Level;
 use crate::timing::measure::{Measure, Timed, Timing};
-use crate::timing::report::{Found, Report, Row, stages};
+use crate::timing::report::{Found, Report, Row, Varied, stages};
 use crate::timing::search::{Effort, Limits, search};
 use crate::timing::start::{Pair, Start};
 use crate::timing::{motions, picture, units};
@@ -48,6 +48,9 @@ pub struct Args {
     /// Ticks to time for each tier, 0 for none; 10000000 for p99.99 and max that mean something
     #[arg(long, value_name = "N", default_value_t = 200_000)]
     ticks: u64,
+    /// Longest time to spend on them for each tier [s]: then fewer are timed, and the report says how many
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..))]
+    time_seconds: Option<u32>,
     /// Length of the search for each tier [s], 0 for none
     #[arg(long, value_name = "S", default_value_t = 20)]
     search_seconds: u64,
@@ -57,8 +60,11 @@ pub struct Args {
     /// Seed of the search
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Folder with inputs that are known to be dear: SCENE-TIER-SAMPLES.csv, the scene's file without .toml. They are measured beside the motions, and the search begins with them too
+    #[arg(long, value_name = "DIR")]
+    known: Option<PathBuf>,
     /// Measure these poses (CSV, as `haptor eval` reads it) and search nothing
-    #[arg(long, value_name = "CSV", conflicts_with_all = ["search_seconds", "generations", "seed"])]
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["search_seconds", "generations", "seed", "known"])]
     poses: Option<PathBuf>,
     /// Ticks per second [Hz], 100 to 8000
     #[arg(long, value_name = "HZ", default_value_t = crate::config::RATE, value_parser = clap::value_parser!(u32).range(100..=8000))]
@@ -95,22 +101,26 @@ pub fn run(args: &Args) -> Outcome {
     let mut rng = Rng::with_seed(args.seed);
     let pair = Pair { object: &scene.object.shape, parts: &scene.probe.parts };
     let starts = if given.is_some() { Vec::new() } else { pair.starts(&mut rng) };
+    let below = pair.below();
     if given.is_none() && starts.is_empty() {
         return Err(Failure::bad_input(format!(
             "{}: the probe meets nothing on its way down; give poses with --poses",
             args.scene.display()
         )));
     }
-    let mut bench = Bench { args, judge: &mut judge, starts: &starts, rng: &mut rng, base: Tuning::of(read.setup().baked()) };
+    let base = Tuning::of(read.setup().baked());
+    let mut bench = Bench { args, judge: &mut judge, starts: &starts, below: below.as_ref(), rng: &mut rng, base };
     let found: Vec<Found> = levels.iter().map(|level| bench.level(*level, &levels, given.as_ref())).collect::<Result<_, _>>()?;
-    let base = bench.base;
+    let other = if given.is_none() { Some(other_coupling(&scene, &mut judge, &starts, args)?) } else { None };
     let report = Report {
         scene: args.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         rate_hz: args.rate,
         seed: args.seed,
         counter: measure.counter().map(str::to_owned),
         parts: starts.last().map_or(0, |start| start.parts),
+        most_parts: scene.probe.parts.len(),
         levels: found,
+        other,
         cover: judge.cover.clone(),
     };
     keep(args, &judge, &base, &report)?;
@@ -127,6 +137,32 @@ fn baked(scene: &Scene, args: &Args) -> Result<Vec<u8>, Failure> {
     let model = work.path().join("scene.model");
     bake(scene, &args.scene.display().to_string(), &model)?;
     std::fs::read(&model).map_err(|error| unwritten(&error))
+}
+
+/// The fixed motions on the other coupling, virtual where the scene's is direct, at the scene's own level: what no tuning brings about.
+fn other_coupling(scene: &Scene, judge: &mut Judge<'_>, starts: &[Start], args: &Args) -> Result<Varied, Failure> {
+    let coupling = match scene.extras.coupling {
+        Coupling::Direct => Coupling::Virtual(VirtualCoupling::DEVICE_S_OWN),
+        Coupling::Virtual(_) => Coupling::Direct,
+    };
+    let name = if coupling == Coupling::Direct { "direct coupling" } else { "virtual coupling" };
+    let varied = Scene { extras: Extras { coupling, ..scene.extras }, ..scene.clone() };
+    let file = baked(&varied, args)?;
+    let read = Baked::read(&file).map_err(|error| refused(args, &error))?;
+    let tuning = Tuning::of(read.setup().baked());
+    let histories = motions::coupled(starts);
+    let mut other = Judge { scene: &file, rate_hz: judge.rate_hz, measure: judge.measure, cover: Cover::default() };
+    let bar = progress::bar(histories.len() as u64, "motions").with_message(name);
+    let costs = other.costs(&tuning, &histories)?;
+    bar.finish_and_clear();
+    judge.cover.add(&other.cover);
+    let level = Level { tier: tuning.tier, samples: tuning.samples };
+    Ok(Varied { name, level, rows: histories.iter().zip(&costs).map(|(history, costs)| row(history, costs)).collect() })
+}
+
+fn row(history: &History, costs: &[u64]) -> Row {
+    let mean = costs.iter().sum::<u64>() / (costs.len() as u64).max(1);
+    Row { name: history.name.clone(), mean, worst: dearest(costs).1, plain: history.is_plain() }
 }
 
 fn refused(args: &Args, error: &haptor_engine::SceneError) -> Failure {
@@ -161,6 +197,9 @@ fn given(path: &Path) -> Result<History, Failure> {
     Ok(History { name, poses: rows.iter().map(|row| Pose::new(row.position, row.rotation)).collect(), tunings: Vec::new() })
 }
 
+/// Name of an input that was known before.
+const KNOWN: &str = "known before";
+
 /// Motions that are run before the bar moves on: two for each of a few CPUs.
 const MOTIONS_AT_ONCE: usize = 4;
 
@@ -179,6 +218,7 @@ struct Bench<'a, 'b> {
     args: &'a Args,
     judge: &'a mut Judge<'b>,
     starts: &'a [Start],
+    below: Option<&'a Start>,
     rng: &'a mut Rng,
     base: Tuning,
 }
@@ -187,7 +227,14 @@ impl Bench<'_, '_> {
     fn level(&mut self, level: Level, all: &[Level], given: Option<&History>) -> Result<Found, Failure> {
         let tuning = level.tuning(&self.base);
         let others: Vec<_> = all.iter().filter(|other| **other != level).map(|other| other.tuning(&self.base)).collect();
-        let fixed = given.map_or_else(|| motions::all(self.starts, &tuning, &others), |history| vec![history.clone()]);
+        let fixed = match given {
+            Some(history) => vec![history.clone()],
+            None => {
+                let mut fixed = motions::all(self.starts, self.below, &tuning, &others);
+                fixed.extend(self.known(level)?);
+                fixed
+            }
+        };
         let Fixed { rows, mut known, ticks } = self.fixed(level, &tuning, &fixed)?;
         known.sort_by_key(|dearest| std::cmp::Reverse(dearest.cost));
         let mut effort = None;
@@ -202,7 +249,9 @@ impl Bench<'_, '_> {
         };
         let plain = best(&mut known.iter().filter(|dearest| dearest.history.is_plain()));
         let dearest = best(&mut known.iter()).ok_or_else(|| Failure::problem("no tick was measured"))?;
-        let found = self.examine(level, &tuning, dearest)?;
+        // what is tuned on the way would be taken for the price of a unit
+        let of = plain.as_ref().filter(|_| !dearest.history.tunings.is_empty()).unwrap_or(&dearest).clone();
+        let found = self.examine(level, &tuning, dearest, &of)?;
         Ok(Found { units: found.units.into_iter().chain(units::region(&ticks)).collect(), rows, effort, plain, ..found })
     }
 
@@ -213,9 +262,11 @@ impl Bench<'_, '_> {
         for share in histories.chunks(MOTIONS_AT_ONCE) {
             for (history, costs) in share.iter().zip(self.judge.costs(tuning, share)?) {
                 let (tick, cost) = dearest(&costs);
-                let mean = costs.iter().sum::<u64>() / (costs.len() as u64).max(1);
                 let plain = history.is_plain();
-                fixed.rows.push(Row { name: history.name.clone(), mean, worst: cost, plain });
+                // what was found before is no fixed motion
+                if history.name != KNOWN {
+                    fixed.rows.push(row(history, &costs));
+                }
                 fixed.known.push(Dearest { history: history.clone(), tick, cost });
                 // what is tuned on the way costs something else
                 if plain {
@@ -228,6 +279,15 @@ impl Bench<'_, '_> {
         Ok(fixed)
     }
 
+    /// The input of this level that is known to be dear, if there is one.
+    fn known(&self, level: Level) -> Result<Option<History>, Failure> {
+        let Some(folder) = &self.args.known else { return Ok(None) };
+        let scene = self.args.scene.file_stem().unwrap_or_default().to_string_lossy();
+        let file = folder.join(format!("{scene}-{}.csv", level.slug()));
+        let read = file.exists().then(|| given(&file)).transpose()?;
+        Ok(read.map(|history| History { name: KNOWN.to_owned(), ..history }))
+    }
+
     fn search(&mut self, level: Level, tuning: &Tuning, known: &[Dearest]) -> Result<(Option<Dearest>, Effort), Failure> {
         let limits = Limits { time: Duration::from_secs(self.args.search_seconds), generations: self.args.generations };
         let bar = progress::bar(1000 * self.args.search_seconds, "searching").with_message(level.name());
@@ -236,17 +296,20 @@ impl Bench<'_, '_> {
         found
     }
 
-    /// The dearest tick: its stages, units, stack, times.
-    fn examine(&mut self, level: Level, tuning: &Tuning, dearest: Dearest) -> Result<Found, Failure> {
+    /// The dearest tick: its stages, stack, times; and the units of work at the tick that they are told `of`.
+    fn examine(&mut self, level: Level, tuning: &Tuning, dearest: Dearest, of: &Dearest) -> Result<Found, Failure> {
         let history = std::slice::from_ref(&dearest.history);
         let (recording, _) = self.judge.recording(tuning, history)?;
         let by_file = self.judge.measure.by_file(&recording)?;
         let regions = self.judge.regions(tuning, &dearest.history)?.get(dearest.tick).copied().map_or(0, usize::from);
+        let touching = self.judge.regions(tuning, &of.history)?.get(of.tick).copied().map_or(0, usize::from);
+        let mut units = units::of(self.judge, tuning, of, touching)?;
+        units.extend(units::vertex(self.judge, tuning, of, touching)?);
         Ok(Found {
             stages: by_file.get(dearest.tick).map(|(total, files)| stages(*total, files)).unwrap_or_default(),
             stack: self.judge.measure.stack(&recording, &self.judge.empty(tuning)?)?,
             timed: self.time(level, &recording)?,
-            units: units::of(self.judge, tuning, &dearest, regions)?,
+            units,
             level,
             dearest,
             regions,
@@ -262,7 +325,7 @@ impl Bench<'_, '_> {
             return Ok(None);
         }
         let bar = progress::bar(args.ticks, "timing").with_message(level.name());
-        let timing = Timing { ticks: args.ticks, rt: &args.rt, cpu: args.cpu };
+        let timing = Timing { ticks: args.ticks, rt: &args.rt, cpu: args.cpu, seconds: args.time_seconds };
         let timed = self.judge.measure.time(recording, &timing, |done| bar.set_position(done));
         bar.finish_and_clear();
         timed.map(Some)

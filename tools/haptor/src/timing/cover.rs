@@ -7,7 +7,7 @@ use haptor_wire::TickRecord;
 use super::level::has_cells;
 
 /// Conditions beside the core's flags, in the order of [`Cover::conditions`].
-const CONDITIONS: [&str; 9] = [
+const CONDITIONS: [&str; 12] = [
     "region born",
     "region left",
     "patches merged into a region",
@@ -17,6 +17,9 @@ const CONDITIONS: [&str; 9] = [
     "slips all over",
     "cells fitted anew",
     "tier changed",
+    "pose that is none",
+    "a cheaper tier for want of work",
+    "virtual coupling",
 ];
 
 /// A patch as the next tick is compared with it: serial number, width of its cells.
@@ -31,6 +34,24 @@ pub struct Cover {
     conditions: [u64; CONDITIONS.len()],
     known: Vec<Known>,
     tier: Option<haptor_wire::Tier>,
+}
+
+fn has(tick: &TickRecord, flag: Flags) -> bool {
+    Flags(tick.flags).contains(flag)
+}
+
+/// Conditions that need two patches.
+const OF_TWO: [&str; 4] = ["patches merged into a region", "one region gives way to another", "region refused", "birth waits"];
+
+/// Why a condition was not met.
+fn why_not(condition: &str, parts: usize) -> &'static str {
+    match condition {
+        _ if parts < 2 && OF_TWO.contains(&condition) => "cannot be: the probe has one part, which makes one patch",
+        "length floored" => {
+            "only tier paper has that length, and its floor is met where a twisted contact faces away from the base's centre"
+        }
+        _ => "no motion and no search came to it",
+    }
 }
 
 impl Cover {
@@ -62,6 +83,9 @@ impl Cover {
             touching && patches.iter().all(|patch| patch.grip.stick <= 0.0),
             has_cells(tick.tier) && now.iter().any(refitted),
             self.tier.is_some_and(|tier| tier != tick.tier),
+            has(tick, Flags::POSE_REFUSED) && !has(tick, Flags::POSE_JUMP),
+            has(tick, Flags::TIER_LOWERED) && engine.tuning().tier != tick.tier,
+            engine.is_coupled(),
         ];
         for (count, met) in self.conditions.iter_mut().zip(met) {
             *count += u64::from(met);
@@ -80,6 +104,12 @@ impl Cover {
         for (into, from) in pairs {
             into.iter_mut().zip(from).for_each(|(into, from)| *into += from);
         }
+    }
+
+    /// Conditions that no tick was in, each with why it cannot be met, where it cannot; `parts` = parts of the probe.
+    pub fn unmet(&self, parts: usize) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let unmet = self.conditions().filter(|(_, ticks)| *ticks == 0);
+        unmet.map(move |(name, _)| (name, why_not(name, parts)))
     }
 
     /// Ticks seen.

@@ -26,8 +26,16 @@ pub struct History {
 impl History {
     /// Poses that the core believes, and nothing else: what a trajectory file holds.
     pub fn is_plain(&self) -> bool {
-        let jump = |pair: &[Pose<World, ProbeFrame>]| (pair[1].position - pair[0].position).length() > FARTHEST;
-        self.tunings.is_empty() && !self.poses.windows(2).any(jump)
+        // no comparison holds for a pose that is no number
+        let goes_on = |pair: &[Pose<World, ProbeFrame>]| (pair[1].position - pair[0].position).length() <= FARTHEST;
+        self.tunings.is_empty() && self.poses.windows(2).all(goes_on)
+    }
+
+    /// The same up to a tick, and that tick with it.
+    pub fn until(&self, tick: usize) -> Self {
+        let mut shorter = self.clone();
+        shorter.poses.truncate(tick + 1);
+        shorter
     }
 
     /// Whether a tick runs at `level`: what was tuned before it, if anything, is of the same tier with as many samples.
@@ -110,6 +118,9 @@ mod tests {
         let mut jumping = history.clone();
         jumping.poses[4].position.x += 10.0;
         assert!(!jumping.is_plain(), "a trajectory file takes no jump");
+        jumping.poses[4].position.x = f32::NAN;
+        assert!(!jumping.is_plain(), "nor what is no pose");
+        assert_eq!(jumping.until(3).poses, history.poses[..4]);
         assert!(
             rows.iter().zip(&history.poses).all(|(row, pose)| row.position == pose.position && row.rotation == pose.rotation)
         );

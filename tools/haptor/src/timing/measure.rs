@@ -17,8 +17,8 @@ use crate::programs::{self, Child};
 /// The program beside this one.
 const PROGRAM: &str = "haptor-measure";
 
-/// Its marked function.
-const MARKED: &str = "haptor_host::measure::run::measured_tick";
+/// Its marked functions: ticks, then the surface where it is asked for.
+const MARKED: [&str; 2] = ["haptor_host::measure::run::measured_tick", "haptor_host::measure::surface::measured_surface"];
 
 /// Rounds of which the fastest counts: with five a neighbour on the machine has to come back at the same tick every time.
 const ROUNDS: &str = "5";
@@ -61,6 +61,8 @@ pub struct Timing<'a> {
     pub rt: &'a str,
     /// CPU.
     pub cpu: Option<usize>,
+    /// Longest run \[s\].
+    pub seconds: Option<u32>,
 }
 
 /// The program, a folder for its files, and the counter.
@@ -95,7 +97,20 @@ impl Measure {
             return self.fastest(recording, slot);
         }
         let place = self.place(recording, slot)?;
-        place.dumps(&self.program, false, |dump| callgrind::total(dump).unwrap_or(0))
+        place.ticks(&self.program, false, |dump| callgrind::total(dump).unwrap_or(0))
+    }
+
+    /// Instructions of an update of the surface, so many points of it, after the last tick of a recording; `None` where nothing counts them.
+    ///
+    /// # Errors
+    /// As [`Self::costs`].
+    pub fn surface(&self, recording: &[u8], points: u16) -> Result<Option<u64>, Failure> {
+        if self.counter.is_none() {
+            return Ok(None);
+        }
+        let place = self.place(recording, 0)?;
+        let points = points.to_string();
+        place.counted(&self.program, false, &["--surface", &points], |job, ticks| Ok(callgrind::total(&job.dump(ticks)?)))
     }
 
     /// Instructions of each tick by source file; nothing where nothing counts them.
@@ -107,7 +122,7 @@ impl Measure {
             return Ok(Vec::new());
         }
         let (place, mut names) = (self.place(recording, 0)?, HashMap::new());
-        place.dumps(&self.program, true, |dump| {
+        place.ticks(&self.program, true, |dump| {
             let mut files = ByFile::new();
             (callgrind::by_file(dump, &mut names, &mut files), files)
         })
@@ -143,6 +158,9 @@ impl Measure {
         command.arg(&place.file).args(["time", "--ticks", &timing.ticks.to_string(), "--rt", timing.rt]);
         if let Some(cpu) = timing.cpu {
             command.args(["--cpu", &cpu.to_string()]);
+        }
+        if let Some(seconds) = timing.seconds {
+            command.args(["--seconds", &seconds.to_string()]);
         }
         self.listen(&mut command, |line| match line {
             Said::Done { done } => {
@@ -201,14 +219,25 @@ struct Place {
 
 impl Place {
     /// Runs the recording under callgrind and reads the dump of every tick.
-    fn dumps<T>(&self, program: &Path, lines: bool, mut read: impl FnMut(&str) -> T) -> Result<Vec<T>, Failure> {
+    fn ticks<T>(&self, program: &Path, lines: bool, mut read: impl FnMut(&str) -> T) -> Result<Vec<T>, Failure> {
+        self.counted(program, lines, &[], |job, ticks| (0..ticks).map(|call| job.dump(call).map(|dump| read(&dump))).collect())
+    }
+
+    /// Runs the recording under callgrind; `read` is told the number of ticks.
+    fn counted<T>(
+        &self,
+        program: &Path,
+        lines: bool,
+        more: &[&str],
+        read: impl FnOnce(&Job<'_>, usize) -> Result<T, String>,
+    ) -> Result<T, Failure> {
         let file = self.file.to_string_lossy();
-        let args = &[&*file, "count"];
-        let job = Job { program, args, keep: &[], pattern: "*measured_*", marked: &[MARKED], lines, folder: &self.folder };
+        let args = &[&[&*file, "count"], more].concat();
+        let job = Job { program, args, keep: &[], pattern: "*measured_*", marked: &MARKED, lines, folder: &self.folder };
         let said = job.run().map_err(Failure::problem)?;
         let counted: Counted =
             serde_json::from_str(said.trim()).map_err(|error| Failure::problem(format!("{PROGRAM}: {error}")))?;
-        (0..counted.ticks).map(|call| job.dump(call).map(|dump| read(&dump)).map_err(Failure::problem)).collect()
+        read(&job, counted.ticks).map_err(Failure::problem)
     }
 }
 

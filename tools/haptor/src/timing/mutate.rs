@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_seed_gives_the_same_histories() {
-        let start = Start { rotation: Quat::IDENTITY, across: [0.0; 2], touch: 0.02, parts: 1 };
+        let start = Start { rotation: Quat::IDENTITY, across: [0.0; 2], touch: 0.02, parts: 1, side: 1.0 };
         let make = |seed| {
             let mut rng = Rng::with_seed(seed);
             let one = Genome::fresh(&[start], &mut rng);
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_history_becomes_a_candidate_that_ends_at_its_dearest_tick() {
-        let start = Start { rotation: Quat::IDENTITY, across: [0.0; 2], touch: 0.02, parts: 1 };
+        let start = Start { rotation: Quat::IDENTITY, across: [0.0; 2], touch: 0.02, parts: 1, side: 1.0 };
         let poses: Vec<_> = (0..100).map(|k| start.pose(1.0e-5 * k as f32)).collect();
         let genome = Genome::of(&History { name: String::new(), poses: poses.clone(), tunings: Vec::new() }, 80);
         let back = genome.history(1.0e-3);

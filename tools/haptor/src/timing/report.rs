@@ -54,6 +54,17 @@ pub struct Found {
     pub timed: Option<Timed>,
 }
 
+/// Fixed motions on another coupling than the scene's.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    /// The coupling.
+    pub name: &'static str,
+    /// Tier and samples, the scene's own.
+    pub level: Level,
+    /// The motions.
+    pub rows: Vec<Row>,
+}
+
 /// Everything about a scene.
 #[derive(Debug)]
 pub struct Report {
@@ -67,8 +78,12 @@ pub struct Report {
     pub counter: Option<String>,
     /// Most parts that were found to touch at once.
     pub parts: usize,
+    /// Parts of the probe.
+    pub most_parts: usize,
     /// Level by level.
     pub levels: Vec<Found>,
+    /// On the other coupling; `None` when poses were given.
+    pub other: Option<Varied>,
     /// What was exercised.
     pub cover: Cover,
 }
@@ -91,6 +106,10 @@ pub fn sizes() -> [(&'static str, usize); 4] {
     ]
 }
 
+fn rows_json(rows: &[Row]) -> Vec<Value> {
+    rows.iter().map(|row| json!({ "motion": row.name, "mean": row.mean, "worst": row.worst, "plain": row.plain })).collect()
+}
+
 impl Report {
     /// What a cost is.
     pub const fn unit(&self) -> &'static str {
@@ -109,6 +128,7 @@ impl Report {
         self.times_table(&mut text);
         self.stages_table(&mut text);
         self.units_table(&mut text);
+        self.other_coupling(&mut text);
         self.memory(&mut text);
         self.exercised(&mut text);
         text
@@ -195,7 +215,13 @@ impl Report {
         for (found, unit) in self.levels.iter().flat_map(|found| found.units.iter().map(move |unit| (found, unit))) {
             let _ = writeln!(text, "{:<15}{:>20}{:>14.0}  {}", found.level.name(), unit.what, unit.cost, unit.how);
         }
-        text.push_str("a vertex of the surface is no part of a tick: tests/bench/COUNTS.md has what it costs\n");
+        text.push_str("a vertex of the surface is no part of a tick: whoever looks on pays for it\n");
+    }
+
+    fn other_coupling(&self, text: &mut String) {
+        let Some(Varied { name, level, rows }) = &self.other else { return };
+        let Some(dearest) = rows.iter().max_by_key(|row| row.worst) else { return };
+        let _ = writeln!(text, "\n{name}, {}: {} {}, {}", level.name(), dearest.worst, self.unit(), dearest.name);
     }
 
     fn memory(&self, text: &mut String) {
@@ -212,12 +238,12 @@ impl Report {
         let _ = writeln!(text, "\nexercised, of {} ticks:", self.cover.ticks());
         let regions: Vec<_> = self.cover.regions().iter().enumerate().map(|(count, ticks)| format!("{count}: {ticks}")).collect();
         let _ = writeln!(text, "  regions   {}", regions.join(", "));
-        let (met, unmet): (Vec<_>, Vec<_>) = self.cover.conditions().partition(|(_, ticks)| *ticks > 0);
-        let listed =
-            |list: &[(&str, u64)]| list.iter().map(|(name, ticks)| format!("{name} {ticks}")).collect::<Vec<_>>().join(", ");
-        let _ = writeln!(text, "  met       {}", listed(&met));
-        let unmet: Vec<_> = unmet.iter().map(|(name, _)| *name).collect();
-        let _ = writeln!(text, "  not met   {}", if unmet.is_empty() { "none".to_owned() } else { unmet.join(", ") });
+        let met = self.cover.conditions().filter(|(_, ticks)| *ticks > 0);
+        let met: Vec<_> = met.map(|(name, ticks)| format!("{name} {ticks}")).collect();
+        let _ = writeln!(text, "  met       {}", met.join(", "));
+        for (name, why) in self.cover.unmet(self.most_parts) {
+            let _ = writeln!(text, "  not met   {name}: {why}");
+        }
     }
 
     /// For programs.
@@ -225,6 +251,8 @@ impl Report {
         let sizes: serde_json::Map<_, _> = sizes().into_iter().map(|(name, bytes)| (name.to_owned(), bytes.into())).collect();
         let conditions: serde_json::Map<_, _> =
             self.cover.conditions().map(|(name, ticks)| (name.to_owned(), ticks.into())).collect();
+        let unmet: serde_json::Map<_, _> =
+            self.cover.unmet(self.most_parts).map(|(name, why)| (name.to_owned(), why.into())).collect();
         json!({
             "scene": self.scene,
             "rate_hz": self.rate_hz,
@@ -233,8 +261,13 @@ impl Report {
             "counter": self.counter,
             "parts_touching": self.parts,
             "levels": self.levels.iter().map(|found| self.level_json(found)).collect::<Vec<_>>(),
+            "other_coupling": self.other.as_ref().map(|other| json!({
+                "name": other.name,
+                "level": other.level.name(),
+                "motions": rows_json(&other.rows),
+            })),
             "bytes": sizes,
-            "exercised": { "ticks": self.cover.ticks(), "regions": self.cover.regions(), "conditions": conditions },
+            "exercised": { "ticks": self.cover.ticks(), "regions": self.cover.regions(), "conditions": conditions, "not_met": unmet },
         })
     }
 
@@ -242,15 +275,13 @@ impl Report {
         let stages: serde_json::Map<_, _> =
             found.stages.iter().map(|(name, count)| ((*name).to_owned(), (*count).into())).collect();
         let units = found.units.iter().map(|unit| json!({ "one_more": unit.what, "cost": unit.cost, "how": unit.how }));
-        let rows =
-            found.rows.iter().map(|row| json!({ "motion": row.name, "mean": row.mean, "worst": row.worst, "plain": row.plain }));
         json!({
             "tier": found.level.tier.name(),
             "samples": found.level.samples,
             "name": found.level.name(),
             "dearest": { "cost": found.dearest.cost, "input": found.dearest.history.name, "tick": found.dearest.tick, "regions": found.regions },
             "dearest_plain": found.plain.as_ref().map(|dearest| dearest.cost),
-            "motions": rows.collect::<Vec<_>>(),
+            "motions": rows_json(&found.rows),
             "search": found.effort.map(|effort| json!({
                 "histories": effort.histories, "generations": effort.generations, "restarts": effort.restarts,
             })),

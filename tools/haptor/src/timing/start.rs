@@ -31,12 +31,14 @@ pub struct Start {
     pub touch: f32,
     /// Parts that touch [`PRESSED`] below that.
     pub parts: usize,
+    /// 1 where the probe comes from above, -1 from below.
+    pub side: f32,
 }
 
 impl Start {
-    /// Pose at a depth below first touch \[m\]; negative is above.
+    /// Pose at a depth beyond first touch \[m\]; negative is before it.
     pub fn pose(&self, depth: f32) -> Pose<World, ProbeFrame> {
-        Pose::new(Vec3::new(self.across[0], self.across[1], self.touch - depth), self.rotation)
+        Pose::new(Vec3::new(self.across[0], self.across[1], self.touch - self.side * depth), self.rotation)
     }
 }
 
@@ -55,34 +57,45 @@ impl Pair<'_> {
         self.parts.iter().filter(touches).count()
     }
 
-    /// A start, unless nothing is met on the way down.
+    /// A start from above, unless nothing is met on the way down.
     fn descend(&self, rotation: Quat, across: [f32; 2]) -> Option<Start> {
-        let at = |height: f32| Pose::new(Vec3::new(across[0], across[1], height), rotation);
-        let mut above = self.object.height() + 0.01;
-        while self.touching(&at(above)) > 0 {
-            above *= 2.0;
-            if above > HIGHEST {
+        self.approach(rotation, across, 1.0)
+    }
+
+    /// The probe as the scene has it, from below, its first part at the middle of the object's base; `None` where nothing is met on the way up.
+    pub fn below(&self) -> Option<Start> {
+        let part = self.parts.first()?.position;
+        self.approach(Quat::IDENTITY, [-part.x, -part.y], -1.0)
+    }
+
+    /// Lengths along the way count from the object's base, towards the side that the probe comes from.
+    fn approach(&self, rotation: Quat, across: [f32; 2], side: f32) -> Option<Start> {
+        let at = |way: f32| Pose::new(Vec3::new(across[0], across[1], side * way), rotation);
+        let mut before = self.object.height() + 0.01;
+        while self.touching(&at(before)) > 0 {
+            before *= 2.0;
+            if before > HIGHEST {
                 return None;
             }
         }
-        // downwards in steps, so that nothing is passed through
+        // in steps, so that nothing is passed through
         let step = 0.02 * self.object.height().max(0.05);
-        let mut below = above;
-        while self.touching(&at(below)) == 0 {
-            (above, below) = (below, below - step);
-            if below < -self.object.height() - 1.0 {
+        let mut beyond = before;
+        while self.touching(&at(beyond)) == 0 {
+            (before, beyond) = (beyond, beyond - step);
+            if beyond < -self.object.height() - 1.0 {
                 return None;
             }
         }
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (above + below);
+            let middle = 0.5 * (before + beyond);
             if self.touching(&at(middle)) > 0 {
-                below = middle;
+                beyond = middle;
             } else {
-                above = middle;
+                before = middle;
             }
         }
-        let start = Start { rotation, across, touch: below, parts: 0 };
+        let start = Start { rotation, across, touch: side * beyond, parts: 0, side };
         Some(Start { parts: self.touching(&start.pose(PRESSED)), ..start })
     }
 

@@ -54,6 +54,24 @@ pub fn of(judge: &mut Judge<'_>, level: &Tuning, dearest: &Dearest, regions: usi
     Ok(units)
 }
 
+/// Points of the surface for the difference: a square of 8 and one of 64 a side.
+const POINTS: [u16; 2] = [64, 4096];
+
+/// Cost of one more vertex of the surface after the dearest tick, which has so many regions. `None` where nothing counts instructions.
+///
+/// # Errors
+/// As [`Judge::costs`].
+pub fn vertex(judge: &Judge<'_>, level: &Tuning, dearest: &Dearest, regions: usize) -> Result<Option<Unit>, Failure> {
+    let (recording, _) = judge.recording(level, &[dearest.history.until(dearest.tick)])?;
+    let [few, many] = POINTS.map(|points| judge.measure.surface(&recording, points));
+    let between = |(few, many): (u64, u64)| Unit {
+        what: "vertex of the surface",
+        cost: (many as f64 - few as f64) / f64::from(POINTS[1] - POINTS[0]),
+        how: format!("{} to {} on 0.1 m around the deepest contact, {regions} regions", POINTS[0], POINTS[1]),
+    };
+    Ok(few?.zip(many?).map(between))
+}
+
 /// Cost of one more region: the slope of a straight line through the ticks with at least one, (regions, cost). `None` where all have as many.
 pub fn region(ticks: &[(u8, u64)]) -> Option<Unit> {
     let touching: Vec<(f64, f64)> =
