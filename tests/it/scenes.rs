@@ -188,9 +188,10 @@ const STEP: f64 = 0.05;
 const HALVED: f64 = 0.6;
 
 /// Steps up to this share of the peak need not halve: a slip front that passes one more bristle. Tier `influence` lets whole cells go where
-/// the contact shrinks under a lifted, twisted probe: measured 2.6 % with 52 cells.
+/// the contact shrinks under a lifted, twisted probe: measured 2.6 % with 52 cells. Tier `point` forgets a turn of a compass' leg at once: measured 2.7 % of the
+/// torque, 0.05 N, in one tick at 2 kHz.
 fn small(tier: golden::Tier) -> f64 {
-    if tier.name == "influence" { 0.03 } else { 0.01 }
+    if matches!(tier.name, "influence" | "point") { 0.03 } else { 0.01 }
 }
 
 #[test]
