@@ -77,7 +77,7 @@ along the surface of mu P, torque as before, the worse; surface: displacement wi
 `\"none\"` it is 100 %. Truth: the f64 reference (`tools/reference`) on half spaces with the scene's own shapes, plus the body's compliance from where each section says; where that is the scene's own,
 its error does not show.
 
-Where errors stay. `point`: its curves are those of pure motions; what drag and twist take from each other is a fit (theory.md, 6.3a to 6.3c), a fifth to a quarter at worst while both change. Mixed motion on
+Where errors stay. `point`: its curves are those of pure motions; what drag and twist take from each other is a fit (theory.md, 6.3a to 6.3c), 10 to 27 % at worst while both change. Mixed motion on
 the mallet, likely: its contact is 1.8 times longer than wide, and drag is taken as a disc's, stuck 3 % too stiff along and 7 % too soft across. Organ, meshes, likely: the shape as felt, a spline of distances,
 is not quite the mesh that the reference's rays meet. Surface, at worst: inside the contact, after paths that turned, because the field is that of fresh loading to the same force and torque; on the mallet at the
 ends of its long contact, because the field is a disc's.
