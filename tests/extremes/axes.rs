@@ -50,7 +50,7 @@ pub struct Axis {
     /// What the error is told against.
     pub against: &'static str,
     /// Says what a tier does at a value.
-    run: fn(Tier, f64) -> Result<Option<(Felt, Felt, bool)>, Invalid>,
+    run: fn(Tier, f64) -> Pair,
 }
 
 /// A session at a value, the one it is compared with, and whether the normal force alone is.

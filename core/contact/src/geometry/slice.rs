@@ -257,11 +257,13 @@ impl Polygon {
         }
     }
 
-    /// Square roots of the principal second moments about `centre`: their ratio is that of the sides of a rectangle.
-    fn extents(&self, centre: Vec2) -> (f32, f32) {
+    /// Square roots of the principal second moments about `centre`: their ratio is that of the sides of a rectangle. In multiples of `unit` \[m\], so that the moments'
+    /// squares, eighth powers of a length, neither vanish nor overflow.
+    fn extents(&self, centre: Vec2, unit: f32) -> (f32, f32) {
+        let scale = 1.0 / unit;
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for (i, &here) in self.corners.iter().enumerate() {
-            let (u, v) = (here - centre, self.corners[(i + 1) % self.corners.len()] - centre);
+            let (u, v) = ((here - centre) * scale, (self.corners[(i + 1) % self.corners.len()] - centre) * scale);
             let cross = u.perp_dot(v);
             xx += cross * (u.x * u.x + u.x * v.x + v.x * v.x);
             yy += cross * (u.y * u.y + u.y * v.y + v.y * v.y);
@@ -287,8 +289,11 @@ fn of_box(half: Vec3, d: Vec3, z: f32) -> Slice {
         polygon = polygon.clip(n, h - offset).clip(-n, h + offset);
     }
     let (area, at) = polygon.area_and_centroid();
-    let extents = polygon.extents(at);
-    if area > 0.0 { Slice::new(area, centre + e1 * at.x + e2 * at.y, extents) } else { Slice::round(area, foot) }
+    if area > 0.0 {
+        Slice::new(area, centre + e1 * at.x + e2 * at.y, polygon.extents(at, root(area)))
+    } else {
+        Slice::round(area, foot)
+    }
 }
 
 fn sign(x: f32) -> f32 {
@@ -316,6 +321,15 @@ mod tests {
         for (shape, d, z, area) in cases {
             let found = slice(&shape, d, z);
             assert!(near(found.area, area, 1.0e-4), "{shape:?} {d}: {found:?} expected {area}");
+        }
+    }
+
+    #[test]
+    fn a_box_of_a_micrometre_is_as_long_as_a_large_one() {
+        let d = Vec3::new(0.0, libm::sinf(0.3), -libm::cosf(0.3));
+        let aspect = |scale: f32| slice(&ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) * scale }, d, 1.0e-3 * scale).aspect;
+        for scale in [1.0e-5, 1.0e-3, 1.0, 1.0e3, 1.0e5] {
+            assert!(near(aspect(scale), aspect(1.0), 1.0e-4), "{scale}: {} {}", aspect(scale), aspect(1.0));
         }
     }
 
