@@ -220,7 +220,10 @@ impl Rig<'_> {
             // in tier paper the axis may pass through the rim: arms up to 2 a
             let paper = length(patch.paper.torque);
             let used = |held: f64, cap: f64| if held > LEAST_TOLD { held / cap } else { 0.0 };
-            most = most.max(used(drag, mu * load)).max(used(torque, mu * load * a * full)).max(used(paper, 2.0 * mu * load * a));
+            most = most
+                .max(used(drag, mu * load))
+                .max(used(torque, mu * load * f64::from(patch.footprint.arm()) * full))
+                .max(used(paper, 2.0 * mu * load * a));
         }
         self.seen.excess = self.seen.excess.max(most - 1.0);
         (most > 1.0 + BUDGET_ROUNDING).then(|| format!("{most} of the friction budget"))
