@@ -4,7 +4,7 @@
 //! case with every length and modulus multiplied by powers of two into the middle of the box: the same digits, so that whatever differs is a threshold told in SI units or the range
 //! of an f32. *Law*: what must hold in every case, with a bound. *Worst*: the largest measured figure of a law, with the seed that makes it again.
 //!
-//! `cargo xtask extremes` runs it; the short version is in `tests/it/extremes.rs`. Nothing in it depends on machine or time but the line that says so.
+//! `cargo xtask extremes` runs it; the short version is in `tests/it/corners.rs`. Nothing in it depends on machine or time but the line that says so.
 
 pub mod axes;
 pub mod bodies;

@@ -63,7 +63,7 @@ fn spaced(count: u64) -> String {
 const HEAD: &str = "# Extremes
 
 What the core does at the ends of its ranges and beyond, and which laws hold in random corners of the whole box. Written by `cargo xtask extremes --accept`; the short version runs with the
-tests (`tests/it/extremes.rs`).
+tests (`tests/it/corners.rs`).
 
 ![what an f32 loses at the ends of the ranges](extremes.png)
 
