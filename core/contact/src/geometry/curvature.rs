@@ -40,11 +40,14 @@ impl Curvature {
         if small >= 0.0 {
             return self;
         }
-        // the form less its mean, scaled and lifted so that the principal values become max(large, 0) and 0
-        let kept = max(large, 0.0);
-        let scale = kept / (large - small);
+        // hollow all round, perhaps alike in every direction: no direction is left to scale
+        if large <= 0.0 {
+            return Self::default();
+        }
+        // the form less its mean, scaled and lifted so that the principal values become large and 0
+        let scale = large / (large - small);
         let mean = self.mean();
-        let lifted = |k: f32| 0.5 * kept + (k - mean) * scale;
+        let lifted = |k: f32| 0.5 * large + (k - mean) * scale;
         Self { k11: lifted(self.k11), k12: self.k12 * scale, k22: lifted(self.k22) }
     }
 
@@ -106,6 +109,14 @@ fn of_cylinder_side(radius: f32, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hollows_are_flat() {
+        let hollow = |k11, k12, k22| Curvature { k11, k12, k22 }.convex();
+        assert_eq!(hollow(-3.0, 0.0, -3.0), Curvature::default());
+        assert_eq!(hollow(-3.0, 1.0, -2.0), Curvature::default());
+        assert_eq!(hollow(4.0, 0.0, -2.0), Curvature { k11: 4.0, k12: 0.0, k22: 0.0 });
+    }
 
     #[test]
     fn ellipsoid_top_and_flank() {
