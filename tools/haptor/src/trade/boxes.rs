@@ -96,7 +96,8 @@ mod tests {
         let ball = haptor_mesh::tessellate::ellipsoid(DVec3::new(3.0, 2.0, 1.0), 60);
         let tree = Boxes::new(&ball);
         let all = ball.triangles.len();
-        for i in 0..50 {
+        // the line 0 lies in the plane of a row of edges
+        for i in 1..50 {
             let d = DVec3::new(f64::from(i).cos(), (0.7 * f64::from(i)).sin(), (1.3 * f64::from(i)).cos());
             let o = DVec3::new(0.2, -0.1, 0.05) * (f64::from(i) / 50.0) - d;
             let through = |t: &[DVec3; 3]| {
