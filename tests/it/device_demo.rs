@@ -2,6 +2,7 @@
 //! buzz. One tick from report to wrench, as over a cable; no clock, no process, the same figures on every machine.
 
 use glam::Vec3;
+use haptor_contact::Flags;
 use haptor_engine::{Felt, OwnedEngine, Scene, command, handle_pose};
 use haptor_firmware_sim::plant::{Encoders, FIRM_GRIP};
 use haptor_firmware_sim::preset::{OMEGA6, PREMIUM15, Preset, SIGMA7, TOUCH};
@@ -99,6 +100,9 @@ const PRESSED: usize = 1190;
 const TWISTED: usize = 2090;
 const SLID: usize = 2990;
 
+/// Ticks at the beginnings and ends of a touch that are too shallow for the digits of their place.
+const MOST_COARSE: usize = 8;
+
 /// What one step of the fine encoders makes on the rubber at the deepest press, 27 kN/m times 1 um [N].
 const ONE_STEP: f32 = 0.027;
 
@@ -110,7 +114,18 @@ fn every_device_and_tier_renders_the_motion_without_a_buzz() {
             let told = format!("{} {}", preset.name, tier.name());
             let unrendered = if preset.max_torque > 0.0 { 0 } else { PoseReport::FLAG_TORQUE_NOT_RENDERED };
             assert_eq!((session.flags(), session.mode), (unrendered, Mode::Force), "{told}");
-            assert!(session.felt.iter().all(|felt| felt.flags == 0), "{told}: the core complains");
+            // the first ticks of a touch may be shallower than the digits of its place tell
+            let (coarse, others): (Vec<u32>, Vec<u32>) = session
+                .felt
+                .iter()
+                .map(|felt| felt.flags)
+                .filter(|&flags| flags != 0)
+                .partition(|&flags| flags == Flags::POSE_COARSE.0);
+            assert!(
+                coarse.len() <= MOST_COARSE && others.is_empty(),
+                "{told}: the core complains: {} coarse, {others:?}",
+                coarse.len()
+            );
             assert!(session.peak(|felt| felt.contact_force) < preset.max_force, "{told}");
             let buzz = session.buzz();
             assert!(buzz < ONE_STEP, "{told}: {buzz} N");
