@@ -50,7 +50,7 @@ pub enum How {
         /// CPU to run on; default: the last one it may use, if it is granted the real-time class
         #[arg(long, value_name = "N")]
         cpu: Option<usize>,
-        /// Longest run: then fewer ticks are timed [s]
+        /// Longest run in seconds: then fewer ticks are timed
         #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..))]
         seconds: Option<u32>,
     },

@@ -15,7 +15,7 @@ use super::rig::{Seen, index};
 /// A law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
-    /// Anything goes: see [`wander::wander`].
+    /// Anything goes: see `wander.rs`.
     Wander,
     /// The same on a virtual coupling.
     Coupled,
