@@ -116,22 +116,10 @@ fn room(ns_per_unit: f64, rate_hz: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
-
     use haptor_wire::{BakedScene, ObjectShape};
 
     use super::*;
-
-    /// Every look at it takes as long.
-    struct Steady(Cell<u64>);
-
-    impl Clock for Steady {
-        fn now_ns(&self) -> u64 {
-            self.0.replace(self.0.get() + 50_000)
-        }
-
-        fn sleep_until_ns(&self, _: u64) {}
-    }
+    use crate::rt::clock::Steady;
 
     #[test]
     fn room_and_quantile() {
@@ -147,7 +135,7 @@ mod tests {
             ..BakedScene::ball_on(ObjectShape::HalfSpace)
         };
         let scene = Scene::new(&baked).unwrap();
-        let clock = Steady(Cell::new(0));
+        let clock = Steady::new(50_000);
         let found = |rule| find(rule, &scene, 1000, &clock);
         let Found { limit, measured } = found(WorkBudget::Auto).unwrap();
         let measured = measured.unwrap();

@@ -159,10 +159,8 @@ fn preemptions() -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
-
     use super::*;
-    use crate::rt::clock::Virtual;
+    use crate::rt::clock::{Steady, Virtual};
     use haptor_contact::{Quat, Vec3};
     use haptor_engine::Scene;
     use haptor_wire::{BakedScene, ObjectShape};
@@ -180,22 +178,11 @@ mod tests {
         Length { ticks, most_ns: u64::MAX }
     }
 
-    /// Every look at it takes a microsecond.
-    struct Steady(Cell<u64>);
-
-    impl Clock for Steady {
-        fn now_ns(&self) -> u64 {
-            self.0.replace(self.0.get() + 1000)
-        }
-
-        fn sleep_until_ns(&self, _: u64) {}
-    }
-
     #[test]
     fn a_run_ends_when_its_time_is_over() {
         let scene = ball();
         let (mut engine, mut timed) = (scene.engine().unwrap(), Timed::new());
-        let (length, clock) = (Length { ticks: 1_000_000, most_ns: 1_000_000 }, Steady(Cell::new(0)));
+        let (length, clock) = (Length { ticks: 1_000_000, most_ns: 1_000_000 }, Steady::new(1000));
         engine.with(|engine| time(engine, &press(), length, &clock, &AtomicU64::new(0), &mut timed));
         // two looks a tick
         assert!((490..=510).contains(&timed.durations.count()), "{}", timed.durations.count());
