@@ -9,7 +9,7 @@ use crate::run::{self, cargo, program, root, target};
 /// Arguments.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Ticks of random cases; 100000000 take some ten minutes on two cores
+    /// Ticks of random cases; the five hundred million along the axes come beside them
     #[arg(long, default_value_t = 1_000_000, value_name = "N")]
     steps: u64,
     /// Seed of the cases

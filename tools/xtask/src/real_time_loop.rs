@@ -79,8 +79,7 @@ fn sections(args: &Args) -> Vec<(String, Vec<String>)> {
 fn head(args: &Args) -> Result<String> {
     let told = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let info = told("/proc/cpuinfo");
-    let model =
-        info.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown").trim_start_matches([' ', '\t', ':']);
+    let model = run::processor();
     let cpus = info.lines().filter(|line| line.starts_with("processor")).count();
     let kind = if info.contains(" hypervisor") { "of a virtual machine " } else { "" };
     let (load, date) = (told("/proc/loadavg"), ask("date", &["-u", "+%-d %B %Y"]).context("`date` (coreutils)")?);

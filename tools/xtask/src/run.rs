@@ -75,15 +75,21 @@ pub fn ask(program: impl AsRef<Path>, args: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
+/// The processor's name, as the kernel tells it.
+pub fn processor() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    name.map_or("unknown", |(_, name)| name.trim()).to_owned()
+}
+
 /// Date, cores, processor, kernel and compiler, as tables name them.
 pub fn machine() -> String {
     let line = |program, args: &[&str]| ask(program, args).unwrap_or_default();
-    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ")).map_or("", |(_, name)| name);
     format!(
-        "{}, {} cores of {model}, Linux {}, {}",
+        "{}, {} cores of {}, Linux {}, {}",
         line("date", &["+%-d %B %Y"]),
         line("nproc", &[]),
+        processor(),
         line("uname", &["-r"]),
         line("rustc", &["--version"])
     )

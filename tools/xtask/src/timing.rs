@@ -196,14 +196,7 @@ fn worst_table(kept: &[Kept]) -> Result<String> {
 
 /// Machine, date, compiler.
 fn head() -> Result<String> {
-    let cpu = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let cpu = cpu
-        .lines()
-        .find_map(|line| line.strip_prefix("model name"))
-        .and_then(|line| line.split(':').nth(1))
-        .unwrap_or("unknown")
-        .trim()
-        .to_owned();
+    let cpu = run::processor();
     let say = |program: &str, args: &[&str]| ask(program, args).unwrap_or_default();
     let (date, kernel, cpus) = (say("date", &["+%-d %B %Y"]), say("uname", &["-sr"]), say("nproc", &[]));
     let mut text = TIMING_HEAD.to_owned();
