@@ -9,7 +9,7 @@ use haptor_contact::{
 };
 
 use super::bodies::OwnGreen;
-use super::rig::{Scene, TIERS};
+use super::rig::Scene;
 use super::session::{Felt, Plan, Units, felt};
 
 /// The middle of the box: a ball of 20 mm on rubber.
@@ -414,7 +414,7 @@ fn mass(tier: Tier, kg: f64) -> Pair {
 pub fn walk(axis: &Axis) -> (Vec<[Found; 5]>, u64) {
     let mut steps = 0;
     let rows = axis.values.iter().map(|&value| {
-        TIERS.map(|tier| {
+        Tier::ALL.map(|tier| {
             let (found, more) = axis.at(tier, value);
             steps += more;
             found

@@ -14,7 +14,7 @@ use haptor_contact::{
 };
 
 use super::bodies::{BODY, CUBE, OwnGreen, STUFF, object_mesh, probe_mesh};
-use super::rig::{Scene, TIERS};
+use super::rig::Scene;
 
 /// The box: lengths \[m\] and moduli \[Pa\].
 pub const LENGTHS: (f32, f32) = (1.0e-6, 1.0e2);
@@ -27,7 +27,7 @@ const MIDDLE: f32 = 0.015_625;
 /// Least depth of the box \[m\].
 const LEAST_DEPTH: f32 = 1.0e-12;
 
-/// Which tier a case is for, as places in [`TIERS`]: the dear ones less often.
+/// Which tier a case is for, as places in [`Tier::ALL`]: the dear ones less often.
 const SHARES: [usize; 16] = [0, 0, 0, 0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 3, 3, 4];
 
 /// The table of every twin in tier `green`.
@@ -58,7 +58,7 @@ impl Case {
     /// The case of a seed.
     pub fn new(seed: u64) -> Self {
         let mut rng = Rng::with_seed(seed);
-        let tier = TIERS[SHARES[rng.usize(..SHARES.len())]];
+        let tier = Tier::ALL[SHARES[rng.usize(..SHARES.len())]];
         let mut size = MIDDLE;
         let object = any_object(&mut rng, &mut size, tier);
         let parts = any_probe(&mut rng, &mut size, object);

@@ -5,13 +5,13 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
+use haptor_contact::Tier;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 use super::axes::{AXES, Axis, Found, HOLDS};
-use super::rig::TIERS;
 use super::words::number;
 
 type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
@@ -51,7 +51,7 @@ pub fn draw(path: &Path, map: &[Vec<[Found; 5]>]) -> Drawn {
     if !FONTS.get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()) {
         return Err("the font of the plots cannot be read".into());
     }
-    let panel = (LABELS + CELL.0 * TIERS.len() as i32 + GAP, HEAD + CELL.1 * LONGEST + GAP);
+    let panel = (LABELS + CELL.0 * Tier::ALL.len() as i32 + GAP, HEAD + CELL.1 * LONGEST + GAP);
     let rows = (AXES.len() as i32 + ACROSS - 1) / ACROSS;
     let size = (ACROSS * panel.0 + GAP, TOP + rows * panel.1 + BELOW);
     let area = BitMapBackend::new(path, (size.0 as u32, size.1 as u32)).into_drawing_area();
@@ -69,7 +69,7 @@ pub fn draw(path: &Path, map: &[Vec<[Found; 5]>]) -> Drawn {
 fn draw_panel(area: &Canvas<'_>, axis: &Axis, found: &[[Found; 5]], (x, y): (i32, i32)) -> Drawn {
     label(area, &format!("{} [{}]", axis.name, axis.unit), (x + 8, y + 12), 19, HPos::Left)?;
     label(area, &format!("against {}", axis.against), (x + 8, y + 32), 14, HPos::Left)?;
-    for (column, tier) in TIERS.iter().enumerate() {
+    for (column, tier) in Tier::ALL.iter().enumerate() {
         let name: String = tier.name().chars().take(5).collect();
         let at = (x + LABELS + column as i32 * CELL.0 + CELL.0 / 2, y + HEAD - 12);
         label(area, &name, at, 12, HPos::Center)?;

@@ -14,12 +14,9 @@ use super::bodies::OwnGreen;
 /// Room for every part and the finest samples.
 pub type Room = State<16, 256, 256>;
 
-/// The tiers, in the order of every table.
-pub const TIERS: [Tier; 5] = [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green];
-
-/// Place of a tier in [`TIERS`].
+/// Place of a tier in [`Tier::ALL`], the order of every table.
 pub fn index(tier: Tier) -> usize {
-    TIERS.iter().position(|&other| other == tier).unwrap_or(0)
+    Tier::ALL.iter().position(|&other| other == tier).unwrap_or(0)
 }
 
 /// Flags that say a figure is not to be relied on.

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use haptor_contact::Tier;
+
 use super::axes::{AXES, Axis, Found, HOLDS};
 use super::laws::{LAWS, Law, place_of};
-use super::rig::{TIERS, index};
+use super::rig::index;
 use super::run::{Tallies, Tally};
 
 /// What a run was.
@@ -148,7 +150,7 @@ fn laws(out: &mut String, tallies: &Tallies) {
         "\n| law | tier | cases | ticks | in contact | measured | bound | worst | its seed | above the bound |\n|---|---|---:|---:|---:|---:|---:|---:|---|---:|\n",
     );
     for law in LAWS {
-        for tier in TIERS {
+        for tier in Tier::ALL {
             let tally = &tallies.laws[place_of(law)][index(tier)];
             let _ = writeln!(out, "| {} | {} | {}", law.name(), tier.name(), tally_row(tally, law.bound(tier)));
         }
@@ -237,7 +239,7 @@ pub fn map_csv(map: &[Vec<[Found; 5]>]) -> String {
     let mut out = "axis,unit,value,tier,found,error\n".to_owned();
     for (axis, found) in AXES.iter().zip(map) {
         for (value, cells) in axis.values.iter().zip(found) {
-            for (tier, cell) in TIERS.iter().zip(cells) {
+            for (tier, cell) in Tier::ALL.iter().zip(cells) {
                 let (word, off) = match cell {
                     Found::Nothing => continue,
                     Found::Untold => ("untold", String::new()),
@@ -256,7 +258,7 @@ pub fn map_csv(map: &[Vec<[Found; 5]>]) -> String {
 pub fn cases_csv(tallies: &Tallies) -> String {
     let mut out = "law,tier,seed,figure\n".to_owned();
     for law in LAWS {
-        for tier in TIERS {
+        for tier in Tier::ALL {
             if let Some((worst, seed)) = tallies.laws[place_of(law)][index(tier)].worst {
                 let _ = writeln!(out, "{},{},{seed:016x},{worst:.3e}", law.name(), tier.name());
             }
