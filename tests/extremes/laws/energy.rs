@@ -5,8 +5,8 @@ use glam::{DQuat, Quat, Vec3};
 use haptor_contact::{Invalid, Wrench};
 
 use super::Outcome;
-use super::place::{AGES, LEAST_COMPARED, Loop, counts, moved, place, settle, tick_at};
-use crate::extremes::cases::{Case, decades};
+use super::place::{AGES, LEAST_COMPARED, Walk, counts, is_spoilt, place, settle, tick_at};
+use crate::extremes::cases::Case;
 use crate::extremes::rig::length;
 
 /// Ticks of a cycle: the trapezoidal rule then errs by less than a thousandth of what is exchanged where the contact lasts.
@@ -20,19 +20,15 @@ pub fn cycle(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     let Some(at) = place(case, &case.twin, outcome)? else { return Ok(()) };
     let (corner, mut rng) = (case.corner(), case.choices());
     let mut rig = corner.rig()?;
-    let (path, amplitude) = (Loop::new(&mut rng, TICKS), case.depth * decades(&mut rng, -2.0, 0.5));
-    let pose = |tick: u32| {
-        let (shift, spin) = path.at(tick);
-        moved(case, at, shift * amplitude, spin * (amplitude / case.size))
-    };
-    let mut last = (pose(0), settle(&mut rig, at * case.length(), case.rotation).contact);
+    let walk = Walk::new(case, at, &mut rng, TICKS, (-2.0, 0.5));
+    let mut last = (walk.pose(0), settle(&mut rig, at * case.length(), case.rotation).contact);
     let (mut sound, mut worst) = (true, 0.0_f64);
     for lap in 0..CYCLES * case.longer() {
         let (mut work, mut exchanged) = (0.0, 0.0);
         for tick in 1..=TICKS {
-            let next = pose(tick);
+            let next = walk.pose(tick);
             let output = tick_at(&mut rig, case, next, AGES);
-            sound &= counts(&output) || output.report.depth <= 0.0;
+            sound &= !is_spoilt(&output);
             let done = work_of(case, last, (next, output.contact));
             (work, exchanged) = (work + done, exchanged + done.abs());
             last = (next, output.contact);

@@ -2,13 +2,13 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use haptor_contact::{Invalid, ObjectShape, ProbeShape, Tier, Wrench};
 
 use super::Outcome;
-use super::place::{AGES, Apart, Loop, counts, moved as moved_by, place};
-use crate::extremes::cases::{Case, decades};
-use crate::extremes::rig::Scene;
+use super::place::{AGES, Walk, as_it_is, place, tick_at};
+use crate::extremes::cases::Case;
+use crate::extremes::rig::{Rig, Scene};
 
 /// Ticks of a comparison.
 const TICKS: u32 = 48;
@@ -21,24 +21,13 @@ pub fn units(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
         return Ok(());
     }
     let (corner, mut rng) = (case.corner(), case.choices());
-    let (mut here, mut there) = (case.twin.rig()?, corner.rig()?);
-    let (path, amplitude) = (Loop::new(&mut rng, TICKS), case.depth * decades(&mut rng, -3.0, 1.0));
-    let (s, mut apart) = (f64::from(case.length()), Apart::default());
+    let walk = Walk::new(case, at, &mut rng, TICKS, (-3.0, 1.0));
+    let s = f64::from(case.length());
     let force = 2.0_f64.powi(case.moduli) * s * s;
-    for tick in 0..TICKS {
-        let (shift, spin) = path.at(tick);
-        let (position, rotation) = moved_by(case, at, shift * amplitude, spin * (amplitude / case.size));
-        let twin = here.tick(position, rotation, AGES);
-        let own = there.tick(position * case.length(), rotation, AGES);
-        if twin.report.depth > 0.0 && !counts(&twin) || own.report.depth > 0.0 && !counts(&own) {
-            break;
-        }
-        // in units of the corner, in f64: the product may leave the range of an f32
-        apart.take_scaled(&own.contact, &twin.contact, (1.0 / force, 1.0 / (force * s)), f64::from(own.report.radius));
-    }
-    apart.share().into_iter().for_each(|share| outcome.figure(share));
-    outcome.add(&here.seen);
-    outcome.add(&there.seen);
+    let told = |twin: &Wrench| (twin.force.as_dvec3() * force, twin.torque.as_dvec3() * (force * s));
+    let tick =
+        |[twin, own]: &mut [Rig<'_>; 2], pose: (Vec3, Quat)| [tick_at(own, case, pose, AGES), twin.tick(pose.0, pose.1, AGES)];
+    walk.compare(outcome, [case.twin.rig()?, corner.rig()?], tick, told);
     Ok(())
 }
 
@@ -58,28 +47,15 @@ pub fn turned(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     let Some(at) = place(case, &case.twin, outcome)? else { return Ok(()) };
     let (corner, mut rng) = (case.corner(), case.choices());
     let Some(other) = quarter(&corner) else { return Ok(()) };
-    let (mut here, mut there) = (corner.rig()?, other.rig()?);
-    let (path, amplitude) = (Loop::new(&mut rng, TICKS), case.depth * decades(&mut rng, -3.0, 1.0));
-    let (by, mut apart) = (Quat::from_rotation_z(FRAC_PI_2), Apart::default());
-    for tick in 0..TICKS {
-        let (shift, spin) = path.at(tick);
-        let (position, rotation) = moved_by(case, at, shift * amplitude, spin * (amplitude / case.size));
-        let position = position * case.length();
-        let own = here.tick(position, rotation, AGES);
-        let turned = there.tick(Vec3::new(-position.y, position.x, position.z), (by * rotation).normalize(), AGES);
-        if own.report.depth > 0.0 && !counts(&own) || turned.report.depth > 0.0 && !counts(&turned) {
-            break;
-        }
-        let back = |v: Vec3| Vec3::new(v.y, -v.x, v.z);
-        apart.take(
-            &own.contact,
-            &Wrench::new(back(turned.contact.force), back(turned.contact.torque)),
-            f64::from(own.report.radius),
-        );
-    }
-    apart.share().into_iter().for_each(|share| outcome.figure(share));
-    outcome.add(&here.seen);
-    outcome.add(&there.seen);
+    let walk = Walk::new(case, at, &mut rng, TICKS, (-3.0, 1.0));
+    let by = Quat::from_rotation_z(FRAC_PI_2);
+    let back = |v: Vec3| DVec3::new(v.y.into(), (-v.x).into(), v.z.into());
+    let told = |turned: &Wrench| (back(turned.force), back(turned.torque));
+    let tick = |[own, turned]: &mut [Rig<'_>; 2], (position, rotation): (Vec3, Quat)| {
+        let ahead = Vec3::new(-position.y, position.x, position.z);
+        [tick_at(own, case, (position, rotation), AGES), tick_at(turned, case, (ahead, (by * rotation).normalize()), AGES)]
+    };
+    walk.compare(outcome, [corner.rig()?, other.rig()?], tick, told);
     Ok(())
 }
 
@@ -91,22 +67,12 @@ pub fn moved(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     let flat = Scene { object: ObjectShape::HalfSpace, ..case.corner() };
     let Some(at) = place(case, &Scene { object: ObjectShape::HalfSpace, ..case.twin.clone() }, outcome)? else { return Ok(()) };
     let mut rng = case.choices();
-    let (mut here, mut there) = (flat.rig()?, flat.rig()?);
-    let (path, amplitude) = (Loop::new(&mut rng, TICKS), case.depth * decades(&mut rng, -1.0, 1.0));
+    let walk = Walk::new(case, at, &mut rng, TICKS, (-1.0, 1.0));
     let far = Vec3::new(2.0_f32.powi(rng.i32(-6..=9)), -(2.0_f32.powi(rng.i32(-6..=9))), 0.0);
-    let mut apart = Apart::default();
-    for tick in 0..TICKS {
-        let (shift, spin) = path.at(tick);
-        let (position, rotation) = moved_by(case, at, shift * amplitude, spin * (amplitude / case.size));
-        let there_at = position * case.length() + far;
-        let (near, away) = (here.tick(there_at - far, rotation, AGES), there.tick(there_at, rotation, AGES));
-        if near.report.depth > 0.0 && !counts(&near) || away.report.depth > 0.0 && !counts(&away) {
-            break;
-        }
-        apart.take(&near.contact, &away.contact, f64::from(near.report.radius));
-    }
-    apart.share().into_iter().for_each(|share| outcome.figure(share));
-    outcome.add(&here.seen);
-    outcome.add(&there.seen);
+    let tick = |[near, away]: &mut [Rig<'_>; 2], (position, rotation): (Vec3, Quat)| {
+        let there = position * case.length() + far;
+        [near.tick(there - far, rotation, AGES), away.tick(there, rotation, AGES)]
+    };
+    walk.compare(outcome, [flat.rig()?, flat.rig()?], tick, as_it_is);
     Ok(())
 }

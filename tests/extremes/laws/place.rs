@@ -1,13 +1,13 @@
-//! Where a case's probe begins, small motions about it, and how far two wrenches are apart.
+//! Where a case's probe begins, small motions about it, and how far two sessions along one of them are apart.
 
 use std::f32::consts::TAU;
 
 use fastrand::Rng;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use haptor_contact::{Invalid, MAX_TICK, ObjectShape, Output, ParamsSpec, Tier, Wrench};
 
 use super::Outcome;
-use crate::extremes::cases::{Case, any_vector};
+use crate::extremes::cases::{Case, any_vector, decades};
 use crate::extremes::rig::{Rig, Scene, is_warned, length};
 
 /// Time between poses that no speed limit minds \[s\].
@@ -73,6 +73,50 @@ impl Loop {
     }
 }
 
+/// A random loop about the place where a case begins.
+pub struct Walk<'a> {
+    case: &'a Case,
+    at: Vec3,
+    path: Loop,
+    amplitude: f32,
+}
+
+impl<'a> Walk<'a> {
+    /// A loop of `ticks` ticks about `at`, as large as a power of ten of the depth: `low` to `high`.
+    pub fn new(case: &'a Case, at: Vec3, rng: &mut Rng, ticks: u32, (low, high): (f32, f32)) -> Self {
+        let path = Loop::new(rng, ticks);
+        Self { case, at, path, amplitude: case.depth * decades(rng, low, high) }
+    }
+
+    /// The pose of the twin at a tick.
+    pub fn pose(&self, tick: u32) -> (Vec3, Quat) {
+        let (shift, spin) = self.path.at(tick);
+        moved(self.case, self.at, shift * self.amplitude, spin * (self.amplitude / self.case.size))
+    }
+
+    /// Two sessions once around, until a tick warns of itself. `tick` takes both to a pose and gives their outputs, of which `told` tells the second's wrench as the first has it.
+    /// Figure: largest difference over the largest wrench.
+    pub fn compare<'m>(
+        &self,
+        outcome: &mut Outcome,
+        mut rigs: [Rig<'m>; 2],
+        mut tick: impl FnMut(&mut [Rig<'m>; 2], (Vec3, Quat)) -> [Output; 2],
+        told: impl Fn(&Wrench) -> Told,
+    ) {
+        let mut apart = Apart::default();
+        for at in 0..self.path.ticks {
+            let outputs = tick(&mut rigs, self.pose(at));
+            if outputs.iter().any(is_spoilt) {
+                break;
+            }
+            let [one, other] = outputs;
+            apart.take(&one.contact, told(&other.contact), f64::from(one.report.radius));
+        }
+        apart.share().into_iter().for_each(|share| outcome.figure(share));
+        rigs.iter().for_each(|rig| outcome.add(&rig.seen));
+    }
+}
+
 /// A pose of the twin: `shift` in metres and `spin` in radians from where the case begins.
 pub fn moved(case: &Case, at: Vec3, shift: Vec3, spin: Vec3) -> (Vec3, Quat) {
     (at + shift, (Quat::from_scaled_axis(spin) * case.rotation).normalize())
@@ -94,33 +138,41 @@ pub fn settle(rig: &mut Rig<'_>, position: Vec3, rotation: Quat) -> Output {
 /// Forces below this are not compared \[N\], nor torques \[N m\]: friction is followed from [`haptor_contact::LEAST_FRICTION`] on, and the least friction coefficient of a case is a thousandth.
 pub const LEAST_COMPARED: f64 = 1.0e-10;
 
+/// A wrench told in the units and the frame of another session: force \[N\] and torque \[N m\], in f64 because the product with a unit may leave the range of an f32.
+pub type Told = (DVec3, DVec3);
+
+/// A wrench of a session that has the units and the frame of the other.
+pub fn as_it_is(wrench: &Wrench) -> Told {
+    (wrench.force.as_dvec3(), wrench.torque.as_dvec3())
+}
+
 /// Differences between wrenches, against the largest there were.
 #[derive(Default)]
-pub struct Apart {
+struct Apart {
     force: (f64, f64),
     torque: (f64, f64),
 }
 
 impl Apart {
     /// Takes a pair. The largest torque counts at least as the force on a lever of `lever`, the contact's radius.
-    pub fn take(&mut self, a: &Wrench, b: &Wrench, lever: f64) {
-        self.take_scaled(a, b, (1.0, 1.0), lever);
-    }
-
-    /// Takes a pair of which the second is told in other units: `unit` are its force and torque in those of the first.
-    pub fn take_scaled(&mut self, a: &Wrench, b: &Wrench, unit: (f64, f64), lever: f64) {
-        let (force, torque) = (length(a.force), length(a.torque));
-        let off = (a.force.as_dvec3() - b.force.as_dvec3() / unit.0).length();
-        let turned = (a.torque.as_dvec3() - b.torque.as_dvec3() / unit.1).length();
+    fn take(&mut self, wrench: &Wrench, (other_force, other_torque): Told, lever: f64) {
+        let (force, torque) = (length(wrench.force), length(wrench.torque));
+        let off = (wrench.force.as_dvec3() - other_force).length();
+        let turned = (wrench.torque.as_dvec3() - other_torque).length();
         self.force = (self.force.0.max(force), self.force.1.max(off));
         self.torque = (self.torque.0.max(torque).max(force * lever), self.torque.1.max(turned));
     }
 
     /// The larger of the two shares; `None` where there was nothing to compare.
-    pub fn share(&self) -> Option<f64> {
+    fn share(&self) -> Option<f64> {
         let share = |(most, off): (f64, f64)| if most > 0.0 { off / most } else { 0.0 };
         (self.force.0 > LEAST_COMPARED).then(|| share(self.force).max(share(self.torque)))
     }
+}
+
+/// Whether a tick touches and warns of itself: neither its figures count nor what comes of its state.
+pub fn is_spoilt(output: &Output) -> bool {
+    output.report.depth > 0.0 && is_warned(output.report.flags)
 }
 
 /// Whether a tick's figures count: it touches and does not warn of itself.

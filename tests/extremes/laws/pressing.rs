@@ -3,7 +3,7 @@
 use haptor_contact::{Invalid, ParamsSpec, Vec3};
 
 use super::Outcome;
-use super::place::{AGES, LEAST_COMPARED, counts, moved, place, settle, tick_at};
+use super::place::{AGES, LEAST_COMPARED, counts, is_spoilt, moved, place, settle, tick_at};
 use crate::extremes::cases::{Case, any_vector};
 use crate::extremes::rig::{Scene, length};
 
@@ -22,7 +22,7 @@ pub fn deeper(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     for press in 0..PRESSES {
         let lift = case.depth * (1.0 - FACTOR.powi(press + 1 - PRESSES));
         let output = settle(&mut rig, (at + up * lift) * case.length(), case.rotation);
-        if output.report.depth > 0.0 && !counts(&output) {
+        if is_spoilt(&output) {
             // too shallow for the digits at first, too deep for small strain at last
             most = 0.0;
             continue;

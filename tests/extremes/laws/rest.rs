@@ -3,8 +3,9 @@
 use haptor_contact::Invalid;
 
 use super::Outcome;
-use super::place::{AGES, Apart, Loop, counts, moved, place, settle, tick_at};
+use super::place::{AGES, Loop, Walk, as_it_is, moved, place, settle, tick_at};
 use crate::extremes::cases::{Case, decades};
+use crate::extremes::rig::Rig;
 
 /// Ticks of a session.
 const TICKS: u32 = 48;
@@ -41,28 +42,19 @@ pub fn times(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
 pub fn repeated(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     let Some(at) = place(case, &case.twin, outcome)? else { return Ok(()) };
     let (corner, mut rng) = (case.corner(), case.choices());
-    let (mut even, mut stutter) = (corner.rig()?, corner.rig()?);
-    let (path, amplitude) = (Loop::new(&mut rng, TICKS), case.depth * decades(&mut rng, -3.0, -1.0));
-    let mut apart = Apart::default();
-    for rig in [&mut even, &mut stutter] {
+    let mut rigs = [corner.rig()?, corner.rig()?];
+    let walk = Walk::new(case, at, &mut rng, TICKS, (-3.0, -1.0));
+    for rig in &mut rigs {
         settle(rig, at * case.length(), case.rotation);
     }
-    for tick in 0..TICKS {
-        let (shift, spin) = path.at(tick);
-        let pose = moved(case, at, shift * amplitude, spin * (amplitude / case.size));
-        let a = tick_at(&mut even, case, pose, AGES);
-        let mut b = tick_at(&mut stutter, case, pose, AGES);
+    let tick = |[even, stutter]: &mut [Rig<'_>; 2], pose| {
+        let (a, mut b) = (tick_at(even, case, pose, AGES), tick_at(stutter, case, pose, AGES));
         for _ in 0..rng.u8(..4) {
-            b = tick_at(&mut stutter, case, pose, AGES);
+            b = tick_at(stutter, case, pose, AGES);
         }
-        if a.report.depth > 0.0 && !counts(&a) || b.report.depth > 0.0 && !counts(&b) {
-            break;
-        }
-        apart.take(&a.contact, &b.contact, f64::from(a.report.radius));
-    }
-    apart.share().into_iter().for_each(|share| outcome.figure(share));
-    outcome.add(&even.seen);
-    outcome.add(&stutter.seen);
+        [a, b]
+    };
+    walk.compare(outcome, rigs, tick, as_it_is);
     Ok(())
 }
 
