@@ -1,13 +1,13 @@
-//! The short version of `cargo xtask extremes`: random corners of the box keep the laws, and what lies outside it is refused or flagged by name.
+//! The short version of `cargo xtask extremes`: random corners of the box keep the laws, the kept worst cases are no worse, and what lies outside the box is refused or flagged by name.
 //!
 //! What the laws are and why their bounds are what they are stands in the document that the command writes.
 
 use haptor_contact::{
     Flags, Input, MAX_TICK, MIN_TICK, Material, Model, ModelSpec, ObjectShape, Params, ParamsSpec, Pose, ProbePart, ProbeShape,
-    Quat, Scratch, State, Vec3, step,
+    Quat, Scratch, State, Tier, Vec3, step,
 };
 use haptor_tests::extremes::laws::{LAWS, Law, place_of};
-use haptor_tests::extremes::run::some;
+use haptor_tests::extremes::run::{judge, some};
 
 /// Seed of the short run: not that of the long one, whose cases are kept.
 const SEED: u64 = 7;
@@ -38,6 +38,79 @@ fn random_corners_keep_the_laws() {
 #[test]
 fn two_runs_are_the_same() {
     assert_eq!(some(SEED, 48).digest, some(SEED, 48).digest);
+}
+
+/// Worst cases of the long run by law, tier and seed, with their figures; and the document that was written with them.
+const KEPT: &str = include_str!("../bench/extremes-cases.csv");
+const DOCUMENT: &str = include_str!("../bench/EXTREMES.md");
+
+/// Most that a kept figure above its bound may grow: the table has four digits, and a figure that a change of the core moves by more is to be looked at and kept anew.
+const WORSE: f64 = 1.05;
+
+/// A row of the kept cases.
+struct Kept {
+    law: Law,
+    tier: Tier,
+    seed: u64,
+    figure: f64,
+}
+
+impl Kept {
+    fn all() -> Vec<Self> {
+        let mut reader = csv::Reader::from_reader(KEPT.as_bytes());
+        let row = |(law, tier, seed, figure): (String, String, String, f64)| Self {
+            law: LAWS.into_iter().find(|one| one.name() == law).expect("a law"),
+            tier: Tier::ALL.into_iter().find(|one| one.name() == tier).expect("a tier"),
+            seed: u64::from_str_radix(&seed, 16).expect("a seed"),
+            figure,
+        };
+        reader.deserialize().map(|line| row(line.expect("the table parses"))).collect()
+    }
+
+    /// Largest figure that is no worse: the law's bound, or a little above the kept figure where that is above the bound or there is no bound.
+    fn most(&self) -> f64 {
+        let bound = self.law.bound(self.tier);
+        let own = WORSE * self.figure;
+        if bound.is_finite() { bound.max(own) } else { own }
+    }
+
+    /// What has become worse.
+    fn complaint(&self) -> Option<String> {
+        let (case, outcome) = judge(self.law, self.seed);
+        let what = match (&outcome.seen.fault, outcome.refused, outcome.figure) {
+            _ if case.twin.params.tier != self.tier => "the seed makes a case of another tier".to_owned(),
+            (Some(fault), ..) => fault.clone(),
+            (None, Some(invalid), _) => format!("refused: {invalid}"),
+            (None, None, None) => "comes to measure nothing".to_owned(),
+            (None, None, Some(figure)) if figure > self.most() => {
+                format!("{figure:.3e}, kept is {:.3e}, allowed {:.3e}", self.figure, self.most())
+            }
+            (None, None, Some(_)) => return None,
+        };
+        Some(format!("{} {} {:016x}: {what}", self.law.name(), self.tier.name(), self.seed))
+    }
+}
+
+#[test]
+fn the_document_names_the_cases_that_are_kept() {
+    let cells = |line: &str| line.split('|').map(|cell| cell.trim().replace('`', "")).collect::<Vec<_>>();
+    let is_law = |row: &Vec<String>| row.len() == 12 && LAWS.iter().any(|law| law.name() == row[1]);
+    let rows = DOCUMENT.lines().map(cells).filter(is_law).filter(|row| row[9] != "-");
+    let told: Vec<_> = rows.map(|row| format!("{} {} {}", row[1], row[2], row[9])).collect();
+    let kept = Kept::all();
+    let held: Vec<_> = kept.iter().map(|one| format!("{} {} {:016x}", one.law.name(), one.tier.name(), one.seed)).collect();
+    assert_eq!(told, held, "`cargo xtask extremes --accept` writes both");
+    assert!(LAWS.iter().all(|&law| kept.iter().any(|one| one.law == law)), "a law without a case: {held:#?}");
+}
+
+/// Every kept case, none left out: nothing that must never break breaks, and no figure has become worse.
+#[test]
+fn kept_cases_are_no_worse() {
+    let complaints: Vec<_> = Kept::all().iter().filter_map(Kept::complaint).collect();
+    assert!(
+        complaints.is_empty(),
+        "{complaints:#?}\nwhere this is meant, `cargo xtask extremes --steps 5000000 --accept` keeps the worst cases anew"
+    );
 }
 
 /// A ball on a half space for the drills below.
