@@ -89,7 +89,7 @@ pub use guard::GuardSpec;
 pub use limits::*;
 pub use mesh_shape::{MeshShape, MeshSpec, SurfaceSample};
 pub use model::{Compliance, Material, Model, ModelSpec, ObjectShape, ProbePart, ProbeShape};
-pub use params::{Breakaway, ForceLaw, Params, ParamsSpec, Tier};
+pub use params::{Breakaway, ForceLaw, Params, ParamsSpec, Tier, check_work};
 pub use patch::{Grip, Motion, Patch, Shift};
 pub use report::{Flags, PatchReport, Report};
 pub use scratch::Scratch;

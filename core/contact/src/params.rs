@@ -167,13 +167,7 @@ impl Params {
         let cells = [influence::Layout::COARSE.cells, influence::Layout::FINE.cells];
         let known = !matches!(spec.tier, Tier::Influence | Tier::Green) || cells.contains(&spec.samples);
         require(known, "model.samples", samples, "52 or 112 for tiers influence and green")?;
-        let work = spec.work.unwrap_or(MIN_WORK);
-        require(
-            (MIN_WORK..=MAX_WORK).contains(&work),
-            "model.work",
-            work as f32,
-            "1e4 to 1e9 instructions, or absent for no limit",
-        )?;
+        check_work(spec.work)?;
         require((1..=MAX_SWEEPS).contains(&spec.sweeps), "model.sweeps", spec.sweeps as f32, "1 to 32")?;
         check_law(&spec.force_law)?;
         spec.coupling.check()?;
@@ -220,6 +214,16 @@ fn fingerprint(spec: &ParamsSpec, mu_s: f32) -> u32 {
     });
     let words = numbers.into_iter().chain(law).map(f32::to_bits).chain(choices).chain(spec.coupling.words());
     words.flat_map(u32::to_le_bytes).fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// Checks a work budget \[instructions\]; `None` is no limit.
+///
+/// # Errors
+/// [`Invalid`] when it is not within [`MIN_WORK`] and [`MAX_WORK`].
+pub fn check_work(work: Option<u32>) -> Result<(), Invalid> {
+    let asked = work.unwrap_or(MIN_WORK);
+    let allowed = "1e4 to 1e9 instructions, or absent for no limit";
+    require((MIN_WORK..=MAX_WORK).contains(&asked), "model.work", asked as f32, allowed)
 }
 
 fn check_law(law: &ForceLaw) -> Result<(), Invalid> {

@@ -1,6 +1,6 @@
 //! The work budget of a session: read from what people write, and checked for an engine that takes it over between two ticks.
 
-use haptor_contact::{Invalid, MAX_WORK, MIN_WORK, Params, ParamsSpec};
+use haptor_contact::{Invalid, MAX_WORK, MIN_WORK, check_work};
 use haptor_wire::WorkBudget;
 
 /// What a tick may spend, checked.
@@ -13,8 +13,7 @@ impl Limit {
     /// # Errors
     /// [`Invalid`] when it is not within [`MIN_WORK`] and [`MAX_WORK`].
     pub fn new(work: Option<u32>) -> Result<Self, Invalid> {
-        Params::new(&ParamsSpec { work, ..ParamsSpec::default() })?;
-        Ok(Self(work))
+        check_work(work).map(|()| Self(work))
     }
 
     /// What was checked.
