@@ -11,8 +11,9 @@
 use std::fs;
 use std::io::{Read, Write, stderr, stdin};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, mpsc};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::{self, Scope, ScopedJoinHandle};
 
 use haptor_wire::{Summary, VersionMismatch};
@@ -126,9 +127,9 @@ fn supervise<'scope>(
     let (links, opener) = exchange();
     let (black_box, dumps) = black_box(config.rate_hz);
     let (account, readers) = Account::new(black_box, config.rate_hz);
+    let (news, sources) = (readers.news, Sources { records: readers.records, dumps, rest_wanted: readers.rest_wanted });
     let ((tell_recorder, recorder_end), (tell_status, status_end)) = (mpsc::channel(), mpsc::channel());
     let ((tell_viewers, viewers_end), (ready, is_ready)) = (mpsc::channel(), mpsc::channel());
-    let (news, sources) = (readers.news, Sources { records: readers.records, dumps, rest_wanted: readers.rest_wanted });
     start(scope, "reopen", move || reopen::run(opener, &config.device))?;
     let status = start(scope, "status", move || status::run(config.status, config.rate_hz, news, &status_end))?;
     let real_time = start(scope, "real-time", move || real_time(config, scene, (link, links), account, desk, &ready, stop))?;
@@ -137,32 +138,69 @@ fn supervise<'scope>(
         join("real-time", real_time)??;
         return Err(HostError::Panicked { name: "real-time" });
     }
-    let figures = SharedFigures::default();
-    let recorder = Recorder::create(origin.clone(), config.record.clone(), config.black_box.clone());
-    let attended = recorder.and_then(|(recorder, orders)| {
-        let recorder = recorder.with_figures(figures.clone());
-        let session = viewer::entrance::Session {
-            scene: scene.clone(),
-            budget: config.budget,
-            origin,
-            recorder: orders,
-            figures,
-            end: viewers_end,
-        };
-        let recorder = start(scope, "recorder", move || recorder.run(sources, &recorder_end))?;
-        Ok((recorder, entrance.map(|entrance| entrance.serve(scope, session)).transpose()?))
-    });
+    let attended = attend(scope, config, scene, origin, entrance, sources, (recorder_end, viewers_end));
     stop.fetch_or(attended.is_err(), Ordering::Relaxed);
+    let ran = join("real-time", real_time)??;
+    let told = Told { recorder: tell_recorder, status: tell_status, viewers: tell_viewers };
+    conclude(config, ran, &told, attended, status)
+}
 
-    let Ran { summary, mismatch, times } = join("real-time", real_time)??;
+/// Threads that are there once the real-time thread has its rights.
+struct Attendants<'scope> {
+    recorder: ScopedJoinHandle<'scope, Written>,
+    /// When asked for.
+    viewers: Option<ScopedJoinHandle<'scope, ()>>,
+}
+
+/// Creates the files and starts the threads that fill them and that serve viewers.
+fn attend<'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    config: &Config,
+    scene: &Scene,
+    origin: Origin,
+    entrance: Option<Entrance>,
+    sources: Sources,
+    (recorder_end, viewers_end): (Receiver<Summary>, Receiver<Summary>),
+) -> Result<Attendants<'scope>, HostError> {
+    let figures = SharedFigures::default();
+    let (recorder, orders) = Recorder::create(origin.clone(), config.record.clone(), config.black_box.clone())?;
+    let recorder = recorder.with_figures(figures.clone());
+    let session = viewer::entrance::Session {
+        scene: scene.clone(),
+        budget: config.budget,
+        origin,
+        recorder: orders,
+        figures,
+        end: viewers_end,
+    };
+    let recorder = start(scope, "recorder", move || recorder.run(sources, &recorder_end))?;
+    let viewers = entrance.map(|entrance| entrance.serve(scope, session)).transpose()?;
+    Ok(Attendants { recorder, viewers })
+}
+
+/// Where the threads wait for the session's summary.
+struct Told {
+    recorder: Sender<Summary>,
+    status: Sender<Summary>,
+    viewers: Sender<Summary>,
+}
+
+/// Ends the threads with the summary of the real-time thread, and writes the durations when asked for.
+fn conclude(
+    config: &Config,
+    Ran { summary, mismatch, times }: Ran,
+    told: &Told,
+    attended: Result<Attendants<'_>, HostError>,
+    status: ScopedJoinHandle<'_, ()>,
+) -> Result<Outcome, HostError> {
     // a thread that is gone has said why; it does not change how the session went
-    let _ = tell_recorder.send(summary);
-    let _ = tell_status.send(summary);
-    let (recorder, viewers) = attended?;
-    let written = join("recorder", recorder)?;
+    let _ = told.recorder.send(summary);
+    let _ = told.status.send(summary);
+    let attendants = attended?;
+    let written = join("recorder", attendants.recorder)?;
     // viewers get the recording's end with their last bytes
-    let _ = tell_viewers.send(summary);
-    viewers.map_or(Ok(()), |viewers| join("viewers", viewers))?;
+    let _ = told.viewers.send(summary);
+    attendants.viewers.map_or(Ok(()), |viewers| join("viewers", viewers))?;
     join("status", status)?;
     if let (Some(path), Some(times)) = (&config.times, times) {
         write_times(path, &times)?;
@@ -177,7 +215,7 @@ fn real_time(
     (link, links): (AnyLink, Exchange),
     account: Account,
     desk: Desk,
-    ready: &mpsc::Sender<()>,
+    ready: &Sender<()>,
     stop: &AtomicBool,
 ) -> Result<Ran, HostError> {
     let mut engine = scene.engine().map_err(|reason| HostError::Scene { path: config.model.clone(), reason })?;
