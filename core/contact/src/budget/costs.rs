@@ -5,6 +5,9 @@
 //! of the core that moves counts, run `cargo xtask counts`, then that, and put new values here. The test fails when an estimate is
 //! below a counted row, or further above it than it may be.
 //!
+//! A few lie above what their rows give by more than rounding, and say by how much (rows of 22 November 2026): an estimate must bound contacts that meet otherwise than those
+//! of the rows do, ten tips under a plate among them, and a figure whose row has become cheaper bounds it still.
+//!
 //! Figures of pairs are the dearest of a motion that tilts and walks over edges, not a proof: what is bounded by construction is how often each loop
 //! turns (`bounds.md`); what a turn costs is counted.
 
@@ -13,19 +16,19 @@ use crate::model::{ObjectShape, ProbeShape};
 /// A tick without a part, the ladder's own work included. "no contact, one part" less [`PART`], and "base, work to spare" less "base".
 pub const TICK: u32 = 1_720;
 
-/// A tick whose pose is that of the tick before, or is refused. "base, held still".
+/// A tick whose pose is that of the tick before, or is refused. "base, held still". 7 % above its row.
 pub const STILL: u32 = 700;
 
-/// A part's bounding ball against the object. "no contact, ten parts" less "no contact, one part", by 9.
+/// A part's bounding ball against the object. "no contact, ten parts" less "no contact, one part", by 9. 16 % above its rows.
 pub const PART: u32 = 140;
 
-/// The same on an object given by a mesh. "no contact, ten parts, mesh" less [`TICK`], by 10.
+/// The same on an object given by a mesh. "no contact, ten parts, mesh" less [`TICK`], by 10. 35 % above its row.
 pub const PART_ON_MESH: u32 = 1_400;
 
 /// Moving the probe on its coupling. "no friction, virtual coupling" less "no friction, half space, one region, twist".
 pub const COUPLING: u32 = 4_200;
 
-/// The guard's account of energy. "base, guard with passivity" less "base".
+/// The guard's account of energy. "base, guard with passivity" less "base". 8 % above its rows.
 pub const PASSIVITY: u32 = 400;
 
 /// Objects of [`PAIR`].
@@ -51,7 +54,7 @@ pub const PAIR: [[u32; SHAPES]; OBJECTS] = [
 pub const SAMPLE: [u32; OBJECTS] = [16, 80, 80, 76, 80, 80, 355, 120];
 
 /// What two patches cost each other beside friction: groups, dents; for each patch and each other. "no friction, half space, ten regions, twist" less
-/// ten parts and pairs, by 90.
+/// ten parts and pairs, by 90. 10 % above its row.
 pub const NEIGHBOUR: u32 = 130;
 
 /// Joining two regions beyond the limit: for each patch and each other. Counted as [`NEIGHBOUR`] is, which holds one look at every pair.
@@ -63,23 +66,23 @@ pub const BALL_AGAIN: u32 = 650;
 /// The dent of a neighbour once more: for each patch and each other.
 pub const DENT_AGAIN: u32 = 50;
 
-/// What the body's table adds to pressing a patch. "no friction, box with a table, one region" less "no friction, box, one region, twist".
+/// What the body's table adds to pressing a patch. "no friction, box with a table, one region" less "no friction, box, one region, twist". 4 % above its rows.
 pub const TABLE: u32 = 4_000;
 
 /// The same for each patch and each other. "no friction, box with a table, ten regions" less "no friction, box, ten regions, twist" and ten [`TABLE`], by 90.
 pub const TABLE_NEIGHBOUR: u32 = 8_100;
 
-/// The ground under a patch that friction holds, where there is a body. "point, sphere on box" less "sphere on box" and [`POINT`].
+/// The ground under a patch that friction holds, where there is a body. "point, sphere on box" less "sphere on box" and [`POINT`]. 25 % above its rows.
 pub const GROUND: u32 = 2_600;
 
 /// How the grip of a patch moves the ground of another: for each patch and each other. "point, half space, ten regions, slide" less its row
-/// without friction and ten [`POINT`], by 90.
+/// without friction and ten [`POINT`], by 90. 35 % above its rows.
 pub const GROUND_NEIGHBOUR: u32 = 490;
 
 /// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
 pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;
 
-/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space".
+/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space". 4 % above its rows.
 pub const POINT: u32 = 3_000;
 
 /// Tier `paper`, a patch and a sample. "paper 64, half space, one region, slide" and "twist" less their rows without friction.
