@@ -204,7 +204,7 @@ fn meaning(law: Law) -> &'static str {
             "the case and its twin feel alike, forces as E L^2, torques as E L^3. Figure: largest difference over the largest wrench. Exact but where a threshold is told in metres or the range of an f32 ends."
         }
         Law::Turned => {
-            "the world turned by a quarter about the vertical. Figure as above. Samples stand in a pattern that does not turn with the world: two per cent."
+            "the world turned by a quarter about the vertical, the probe's own axes with it, so that both worlds have the same digits. Figure as above. Samples stand in a pattern that does not turn with the world: two per cent."
         }
         Law::Moved => {
             "on a half space the same poses up to a kilometre away; both sessions have the far one's digits. Figure as above; the bound is rounding of arms."

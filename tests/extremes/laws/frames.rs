@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use glam::{DVec3, Quat, Vec3};
-use haptor_contact::{Invalid, ObjectShape, ProbeShape, Tier, Wrench};
+use haptor_contact::{Invalid, ObjectShape, ProbePart, ProbeShape, Tier, Wrench};
 
 use super::Outcome;
 use super::place::{AGES, Walk, as_it_is, place, tick_at};
@@ -31,6 +31,29 @@ pub fn units(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// A vector turned by a quarter about the vertical, exactly.
+fn turned_vector(v: Vec3) -> Vec3 {
+    Vec3::new(-v.y, v.x, v.z)
+}
+
+/// A rotation as a frame that is turned by a quarter along with everything tells it, exactly: its axis turns.
+fn turned_rotation(q: Quat) -> Quat {
+    Quat::from_xyzw(-q.y, q.x, q.z, q.w)
+}
+
+/// A part in a probe whose own frame is turned by a quarter along with it. A mesh cannot be told in other axes: it is turned as a whole, to rounding.
+fn turned_part(part: &ProbePart<'static>) -> ProbePart<'static> {
+    let swapped = |v: Vec3| Vec3::new(v.y, v.x, v.z);
+    let rotation = turned_rotation(part.rotation);
+    let (shape, rotation) = match part.shape {
+        ProbeShape::Box { size } => (ProbeShape::Box { size: swapped(size) }, rotation),
+        ProbeShape::Ellipsoid { semi_axes } => (ProbeShape::Ellipsoid { semi_axes: swapped(semi_axes) }, rotation),
+        ProbeShape::Mesh(_) => (part.shape, Quat::from_rotation_z(FRAC_PI_2) * part.rotation),
+        round => (round, rotation),
+    };
+    ProbePart { shape, position: turned_vector(part.position), rotation }
+}
+
 /// The scene turned by a quarter about the vertical; `None` for bodies that cannot be told turned.
 fn quarter(scene: &Scene) -> Option<Scene> {
     let object = match scene.object {
@@ -39,21 +62,21 @@ fn quarter(scene: &Scene) -> Option<Scene> {
         ObjectShape::Mesh(_) => return None,
         round => round,
     };
-    Some(Scene { object, ..scene.clone() })
+    Some(Scene { object, parts: scene.parts.iter().map(turned_part).collect(), ..scene.clone() })
 }
 
-/// The whole world turned by a quarter about the vertical: the wrenches turn with it.
+/// The whole world turned by a quarter about the vertical: the wrenches turn with it. The probe's own axes are told turned too, so that the two worlds have the same digits: a probe that is turned in its
+/// own axes has a pose rounded anew, and a contact of a few hundred steps of the pose's digits, or at the end of what touches at all, then feels another pose and not another direction.
 pub fn turned(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     let Some(at) = place(case, &case.twin, outcome)? else { return Ok(()) };
     let (corner, mut rng) = (case.corner(), case.choices());
     let Some(other) = quarter(&corner) else { return Ok(()) };
     let walk = Walk::new(case, at, &mut rng, TICKS, (-3.0, 1.0));
-    let by = Quat::from_rotation_z(FRAC_PI_2);
     let back = |v: Vec3| DVec3::new(v.y.into(), (-v.x).into(), v.z.into());
     let told = |turned: &Wrench| (back(turned.force), back(turned.torque));
     let tick = |[own, turned]: &mut [Rig<'_>; 2], (position, rotation): (Vec3, Quat)| {
-        let ahead = Vec3::new(-position.y, position.x, position.z);
-        [tick_at(own, case, (position, rotation), AGES), tick_at(turned, case, (ahead, (by * rotation).normalize()), AGES)]
+        let along = (turned_vector(position), turned_rotation(rotation));
+        [tick_at(own, case, (position, rotation), AGES), tick_at(turned, case, along, AGES)]
     };
     walk.compare(outcome, [corner.rig()?, other.rig()?], tick, told);
     Ok(())
