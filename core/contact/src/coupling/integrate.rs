@@ -15,7 +15,7 @@ use crate::limits::{MAX_DISTANCE, MAX_SPEED, MAX_TURN_RATE};
 use crate::math::{FRAC_PI_2, cos, max, min, root, sin};
 use crate::model::Model;
 use crate::report::Flags;
-use crate::stage::regions::rotation_vector;
+use crate::stage::regions::{rotation_vector, turn_between};
 use crate::wrench::Wrench;
 
 /// The two kinds of motion of one tick.
@@ -176,8 +176,7 @@ fn follow(tick: &Tick, coupled: &mut Coupled, speeds: &Speeds) {
     let before = coupled.probe;
     let (wanted, wanted_turn) = (coupled.lag.0 + shift, coupled.lag.1 + turn);
     coupled.probe = Pose::new(before.position + wanted, turned(before.rotation, wanted_turn));
-    coupled.moved =
-        (coupled.probe.position - before.position, rotation_vector(coupled.probe.rotation * before.rotation.conjugate()));
+    coupled.moved = (coupled.probe.position - before.position, turn_between(before.rotation, coupled.probe.rotation));
     // what the pose was too coarse for is owed to the next tick
     coupled.lag = (wanted - coupled.moved.0, wanted_turn - coupled.moved.1);
 }

@@ -14,7 +14,7 @@ use crate::error::{Invalid, require};
 use crate::frames::{Pose, ProbeFrame};
 use crate::math::min;
 use crate::report::Flags;
-use crate::stage::regions::rotation_vector;
+use crate::stage::regions::turn_between;
 use crate::wrench::Wrench;
 
 /// Settings of the passivity observer and controller.
@@ -84,8 +84,7 @@ impl Port {
         let before = self.last;
         self.last = handle.copied();
         let (Some(before), Some(now)) = (before, handle) else { return still };
-        let moved =
-            Moved { shift: now.position - before.position, turn: rotation_vector(now.rotation * before.rotation.conjugate()) };
+        let moved = Moved { shift: now.position - before.position, turn: turn_between(before.rotation, now.rotation) };
         let held = self.sent.get(spec.delay_ticks).copied().unwrap_or(Wrench::ZERO);
         let credit = |energy: f32, work: f32| {
             let sum = min(energy - work, spec.reserve);
@@ -128,6 +127,7 @@ mod tests {
     use super::*;
     use crate::guard::{GuardSpec, GuardState, guard};
     use crate::math::max;
+    use crate::stage::regions::rotation_vector;
 
     const DT: f32 = 1.0e-3;
 
@@ -173,10 +173,8 @@ mod tests {
         for tick in 0..6000 {
             let now = handle(seed, tick);
             let held = link[delay];
-            let work = [
-                held.force.dot(now.position - before.position),
-                held.torque.dot(rotation_vector(now.rotation * before.rotation.conjugate())),
-            ];
+            let work =
+                [held.force.dot(now.position - before.position), held.torque.dot(turn_between(before.rotation, now.rotation))];
             for ((sum, worst, tick_s), work) in out.iter_mut().zip(work) {
                 *sum += f64::from(work);
                 (*worst, *tick_s) = (f64::max(*worst, *sum), f64::max(*tick_s, f64::from(work)));
@@ -214,7 +212,7 @@ mod tests {
         for seed in 0..12 {
             let law = |tick: u32| {
                 let (now, before) = (handle(seed, tick), handle(seed, tick.saturating_sub(1)));
-                let spin = rotation_vector(now.rotation * before.rotation.conjugate());
+                let spin = turn_between(before.rotation, now.rotation);
                 // at rest where the path begins: nothing is stored that was not put in
                 let start = handle(seed, 0);
                 let Wrench { force, torque, .. } =

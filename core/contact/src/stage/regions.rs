@@ -28,10 +28,11 @@ pub fn track(
     now: &Pose<World, ProbeFrame>,
 ) -> Flags {
     let before = memory.last_pose.unwrap_or(*now);
+    let turn = if patches.is_empty() { Vec3::ZERO } else { turn_between(before.rotation, now.rotation) };
     patches.retain(|patch| contacts.iter().any(|contact| contact.part == patch.part));
     for patch in patches.iter_mut() {
         if let Some(contact) = contacts.iter().find(|contact| contact.part == patch.part) {
-            follow(patch, contact, &before, now);
+            follow(patch, contact, &before, now, turn);
         }
     }
     let mut flags = bear(params, memory, contacts, patches);
@@ -43,9 +44,9 @@ pub fn track(
     flags
 }
 
-/// Moves a patch to its new place and measures the motion that took it there.
-fn follow(patch: &mut Patch, contact: &Contact, before: &Pose<World, ProbeFrame>, now: &Pose<World, ProbeFrame>) {
-    let (old_centre, turn) = (patch.centre, rotation_vector(now.rotation * before.rotation.conjugate()));
+/// Moves a patch to its new place and measures the motion that took it there, of which `turn` is the turn.
+fn follow(patch: &mut Patch, contact: &Contact, before: &Pose<World, ProbeFrame>, now: &Pose<World, ProbeFrame>, turn: Vec3) {
+    let old_centre = patch.centre;
     patch.carry_to(contact.centre, contact.normal);
     patch.previous = patch.footprint;
     patch.depth = contact.depth;
@@ -67,11 +68,25 @@ fn rolled(over_object: glam::Vec2, over_probe: glam::Vec2) -> f32 {
     min(root(over_object.length_squared()), root(over_probe.length_squared()))
 }
 
-/// Rotation vector of a unit quaternion \[rad\], shorter way; exactly zero when the quaternion is a product q q*.
+/// Rotation vector of a unit quaternion \[rad\], shorter way.
 pub fn rotation_vector(q: Quat) -> Vec3 {
-    let v = Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 };
+    of_half_turn(Vec3::new(q.x, q.y, q.z) * if q.w < 0.0 { -1.0 } else { 1.0 }, q.w.abs())
+}
+
+/// Rotation vector from one rotation to another \[rad\], shorter way; exactly zero where they are the same. It is read from the difference of the two, which has no rounding while they are near: the product
+/// of the one and the other's inverse rounds at 1e-7 rad however little they differ, even where they are the same, and from tick to tick that adds up to a drag that nobody made.
+pub fn turn_between(before: Quat, now: Quat) -> Vec3 {
+    let cosine = now.dot(before);
+    // q and -q are one rotation
+    let now = if cosine < 0.0 { -now } else { now };
+    let change = (now - before) * before.conjugate();
+    of_half_turn(Vec3::new(change.x, change.y, change.z), cosine.abs())
+}
+
+/// Rotation vector \[rad\] from the sine of half of it along its axis and the cosine.
+fn of_half_turn(v: Vec3, cosine: f32) -> Vec3 {
     let sine = root(v.length_squared());
-    if sine < SMALL_SINE { v * 2.0 } else { v * (2.0 * atan2(sine, q.w.abs()) / sine) }
+    if sine < SMALL_SINE { v * 2.0 } else { v * (2.0 * atan2(sine, cosine) / sine) }
 }
 
 /// Below this half-angle sine, sin x = x to f32.
@@ -245,5 +260,39 @@ fn drop_region(region: u8, patches: &mut VecView<Patch>) {
     patches.retain(|patch| patch.region != region);
     for patch in patches.iter_mut() {
         patch.region -= u8::from(patch.region > region);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rotation vector between two rotations in f64, whatever their lengths.
+    fn exact(before: Quat, now: Quat) -> [f64; 3] {
+        let [a, b] = [before, now].map(|q| q.to_array().map(f64::from));
+        let w = b[3] * a[3] + b[0] * a[0] + b[1] * a[1] + b[2] * a[2];
+        let part = |i: usize, j: usize, k: usize| a[3] * b[i] - b[3] * a[i] - (b[j] * a[k] - b[k] * a[j]);
+        let v = [part(0, 1, 2), part(1, 2, 0), part(2, 0, 1)].map(|x| if w < 0.0 { -x } else { x });
+        let sine = libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        v.map(|x| x * 2.0 * libm::atan2(sine, libm::fabs(w)) / sine)
+    }
+
+    /// Steps from a third of a radian down to ten digits of a quaternion.
+    #[test]
+    fn small_turns_keep_their_digits_and_no_turn_is_none() {
+        let mut at = Quat::from_xyzw(0.3, -0.5, 0.1, 0.8).normalize();
+        for i in 0..2000 {
+            let f = i as f32;
+            let size = libm::powf(10.0, -0.5 - 5.5 * (f / 2000.0));
+            let step = Vec3::new(libm::sinf(f), libm::sinf(2.3 * f), libm::cosf(0.7 * f)) * size;
+            let next = (Quat::from_scaled_axis(step) * at).normalize();
+            let next = if i % 3 == 0 { -next } else { next };
+            let (found, exact) = (turn_between(at, next), exact(at, next));
+            let off = (found - Vec3::from_array(exact.map(|x| x as f32))).length();
+            assert!(off <= 2.0e-6 * found.length(), "{step}: {found}, {exact:?}");
+            assert_eq!(turn_between(next, next), Vec3::ZERO);
+            assert_eq!(turn_between(next, -next), Vec3::ZERO);
+            at = next;
+        }
     }
 }
