@@ -58,7 +58,8 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::Cylinder { radius, height }, _) => {
             let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
             let support = |d: Vec3| support_in_world(part, x_wa, d);
-            faces::under_rim(radius, height, &found, reach(&part.shape), support).unwrap_or(found)
+            let under = faces::under_rim(radius, height, &found, reach(&part.shape), support);
+            under.filter(|under| is_as_deep(&at(object, under.point), &found)).unwrap_or(found)
         }
         (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => roll_down(object, part, x_wa, descend(object, part, x_wa)),
     }
@@ -114,7 +115,11 @@ fn at(object: &ObjectShape<'_>, point: Vec3) -> Deepest {
 fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<Vec3>) -> Deepest {
     let Some(point) = under else { return found };
     let other = at(object, point);
-    if other.gap.distance <= found.gap.distance + faces::SETTLED * found.gap.distance.abs() { other } else { found }
+    if is_as_deep(&other, &found) { other } else { found }
+}
+
+fn is_as_deep(other: &Deepest, found: &Deepest) -> bool {
+    other.gap.distance <= found.gap.distance + faces::SETTLED * found.gap.distance.abs()
 }
 
 fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {

@@ -55,7 +55,7 @@ fn box_gap(half: Vec3, q: Vec3) -> Gap {
     let outside = Vec3::new(max(beyond.x, 0.0), max(beyond.y, 0.0), max(beyond.z, 0.0));
     let sign = Vec3::new(side(q.x), side(q.y), side(q.z));
     if outside == Vec3::ZERO {
-        let (depth, weights) = blend(-beyond);
+        let (depth, weights) = blend(-beyond, half + q.abs());
         return Gap { distance: -depth, normal: direction(weights * sign, Vec3::Z) };
     }
     Gap { distance: root(outside.length_squared()), normal: direction(outside * sign, Vec3::Z) }
@@ -63,17 +63,17 @@ fn box_gap(half: Vec3, q: Vec3) -> Gap {
 
 /// Inside, the faces share the depth: d = (sum s_i^-4)^(-1/4) of the slacks s_i to them, and the normal is the gradient, weights s_i^-5 (theory.md,
 /// equation 2.3). Convex, zero on the surface, off by (d/s)^4/4 under a face, and its normal turns continuously over an edge, where the
-/// nearest face alone would make it jump.
-fn blend(slack: Vec3) -> (f32, Vec3) {
-    let least = min(slack.x, min(slack.y, slack.z));
+/// nearest face alone would make it jump; and in the middle, where the near face of a pair becomes the far one.
+fn blend(near: Vec3, far: Vec3) -> (f32, Vec3) {
+    let least = min(near.x, min(near.y, near.z));
     if least <= 0.0 {
         let touched = |s: f32| if s <= 0.0 { 1.0 } else { 0.0 };
-        return (0.0, Vec3::new(touched(slack.x), touched(slack.y), touched(slack.z)));
+        return (0.0, Vec3::new(touched(near.x), touched(near.y), touched(near.z)));
     }
-    let share = Vec3::splat(least) / slack;
-    let squares = share * share;
-    let fourths = squares * squares;
-    (least / root(root(fourths.element_sum())), fourths * share)
+    let (near, far) = (Vec3::splat(least) / near, Vec3::splat(least) / far);
+    let fourths = |share: Vec3| (share * share) * (share * share);
+    let (nears, fars) = (fourths(near), fourths(far));
+    (least / root(root((nears + fars).element_sum())), nears * near - fars * far)
 }
 
 fn side(x: f32) -> f32 {
@@ -87,7 +87,8 @@ fn cylinder_gap(radius: f32, half_height: f32, q: Vec3) -> Gap {
     let beyond_end = q.z.abs() - half_height;
     let axial = Vec3::Z * side(q.z);
     if beyond_side <= 0.0 && beyond_end <= 0.0 {
-        let (depth, weights) = blend(Vec3::new(-beyond_side, -beyond_end, f32::MAX));
+        let far = Vec3::new(beyond_side + 2.0 * radius, half_height + q.z.abs(), f32::MAX);
+        let (depth, weights) = blend(Vec3::new(-beyond_side, -beyond_end, f32::MAX), far);
         return Gap { distance: -depth, normal: direction(radial * weights.x + axial * weights.y, axial) };
     }
     let outside = radial * max(beyond_side, 0.0) + axial * max(beyond_end, 0.0);
@@ -136,6 +137,19 @@ mod tests {
             let found = gap(&object, point);
             assert!((found.distance - distance).abs() < 1.0e-6, "{object:?} {point} {found:?}");
             assert!((found.normal - normal).length() < 1.0e-4, "{object:?} {point} {found:?}");
+        }
+    }
+
+    /// A wide flat pressed on a small box rests on the middle of its top: there the normal is the top's, and turns through it without a jump.
+    #[test]
+    fn the_normal_is_level_over_the_middle_of_a_small_face() {
+        let small = ObjectShape::Box { size: Vec3::new(1.0e-3, 1.2e-3, 0.9e-3) };
+        let can = ObjectShape::Cylinder { radius: 0.6e-3, height: 0.9e-3 };
+        for object in [small, can] {
+            for x in [-1.0e-7, 0.0, 1.0e-7] {
+                let normal = gap(&object, Vec3::new(x, 0.0, 0.65e-3)).normal;
+                assert!((normal - Vec3::Z).length() < 1.0e-3, "{object:?} {x}: {normal}");
+            }
         }
     }
 }
