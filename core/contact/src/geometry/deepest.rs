@@ -51,14 +51,13 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
         (ObjectShape::Box { size }, _) => {
             let found = descend(object, part, x_wa);
-            let support = |d: Vec3| support_in_world(part, x_wa, d);
-            let under = faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), support);
+            let under =
+                faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), turned_support(part, x_wa));
             deeper(object, found, under)
         }
         (ObjectShape::Cylinder { radius, height }, _) => {
             let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
-            let support = |d: Vec3| support_in_world(part, x_wa, d);
-            let under = faces::under_rim(radius, height, &found, reach(&part.shape), support);
+            let under = faces::under_rim(radius, height, &found, reach(&part.shape), turned_support(part, x_wa));
             under.filter(|under| is_as_deep(&at(object, under.point), &found)).unwrap_or(found)
         }
         (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => roll_down(object, part, x_wa, descend(object, part, x_wa)),
@@ -120,6 +119,12 @@ fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<Vec3>) -> Deep
 
 fn is_as_deep(other: &Deepest, found: &Deepest) -> bool {
     other.gap.distance <= found.gap.distance + faces::SETTLED * found.gap.distance.abs()
+}
+
+/// The support in world for a search that asks for it many times.
+fn turned_support<'a>(part: &'a ProbePart<'_>, x_wa: &'a Pose<World, PartFrame>) -> impl Fn(Vec3) -> Vec3 + 'a {
+    let (to_world, to_part) = (Mat3::from_quat(x_wa.rotation), Mat3::from_quat(x_wa.rotation.conjugate()));
+    move |d_w| x_wa.position + to_world * support(&part.shape, to_part * d_w)
 }
 
 fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {

@@ -5,12 +5,12 @@
 //! edge and two at a corner instead of over the part, which finds the normal on flats too (theory.md, equation 2.6). With w_i ~ r_i^5 the **roots** r_i need no
 //! norm, and at the least the **moments** r_i s_i of the support point are even. Under a rim the shares t_i = w_i^(4/5) are halved on the sign of the slope, 5/4 t_i^(1/4) s_i.
 
-use glam::Vec3;
+use glam::{Mat2, Vec2, Vec3};
 
 use crate::geometry::deepest::Deepest;
 use crate::geometry::gap::Gap;
 use crate::geometry::share::Share;
-use crate::math::{clamp, direction, max, root};
+use crate::math::{clamp, direction, max, min, root};
 
 /// Trials of a share, at most: secants on smooth parts, ties of two corners on flats.
 const EDGE_STEPS: usize = 16;
@@ -20,6 +20,15 @@ const CORNER_STEPS: usize = 16;
 
 /// Trials of these that are secants.
 const CORNER_SECANTS: usize = 4;
+
+/// Steps of Broyden's method over three faces: on smooth parts six to ten level the moments, on flats none do.
+const BROYDEN_STEPS: usize = 14;
+
+/// Share of itself that a root may lose in a step.
+const MOST_FALL: f32 = 0.5;
+
+/// Least slack that is guessed from, as a share of the box's smallest half edge: descent may have ended outside.
+const LEAST_GUESS: f32 = 0.02;
 
 /// A face farther than this many depths has a weight below 1e-3: descent finds such points, and the bound proves it.
 const FARTHEST: f32 = 4.0;
@@ -49,6 +58,8 @@ const SAME: f32 = 2.0e-7;
 struct Search<F> {
     half: Vec3,
     sign: Vec3,
+    /// Descent found no overlap.
+    missed: bool,
     support: F,
 }
 
@@ -64,6 +75,25 @@ impl Trial {
     fn moments(&self) -> Vec3 {
         self.roots * self.slack
     }
+
+    /// How far the moments of the first two faces lead that of the third.
+    fn leads(&self) -> Vec2 {
+        let moments = self.moments();
+        Vec2::new(moments.x - moments.z, moments.y - moments.z)
+    }
+
+    /// How the leads grow with the first two roots, where the point stays.
+    fn slopes(&self) -> Mat2 {
+        let s = self.slack;
+        Mat2::from_cols(Vec2::new(s.x + s.z, s.z), Vec2::new(s.z, s.y + s.z))
+    }
+
+    /// A step of the first two roots, cut so that each root keeps at least a share of itself.
+    fn kept_inside(&self, step: Vec2) -> Vec2 {
+        let fall = |root: f32, step: f32| if step < 0.0 { -MOST_FALL * root / step } else { 1.0 };
+        let third = fall(self.roots.z, -step.x - step.y);
+        step * min(1.0, min(third, min(fall(self.roots.x, step.x), fall(self.roots.y, step.y))))
+    }
 }
 
 /// The deepest point, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
@@ -71,12 +101,12 @@ impl Trial {
 pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Vec3> {
     let place = at.point - centre;
     let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
-    let search = Search { half, sign, support: |d: Vec3| support(d) - centre };
     let (slack, depth) = (half - sign * place, -at.gap.distance);
-    if search.is_settled(slack, depth, reach) {
+    let search = Search { half, sign, missed: depth <= 0.0, support: |d: Vec3| support(d) - centre };
+    if search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
         return None;
     }
-    let found = search.over_two(slack, depth).unwrap_or_else(|| search.over(slack));
+    let found = search.over_two(slack, depth).or_else(|| search.evened(slack)).unwrap_or_else(|| search.over(slack));
     Some(found.point + centre)
 }
 
@@ -97,12 +127,58 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         bound - depth <= SETTLED * depth
     }
 
+    /// True where descent found no overlap because the whole part lies beyond one of the faces.
+    fn is_beyond_a_face(&self) -> bool {
+        self.missed && [Vec3::X, Vec3::Y, Vec3::Z].into_iter().any(|axis| self.inmost(axis) < 0.0)
+    }
+
+    /// Largest slack of the part to the face across this axis.
+    fn inmost(&self, axis: Vec3) -> f32 {
+        (self.half - self.sign * (self.support)(-(self.sign * axis))).dot(axis)
+    }
+
     /// Over two faces, where the whole part keeps clear of the third.
     fn over_two(&self, slack: Vec3, depth: f32) -> Option<Trial> {
         let clear = |axis: Vec3| (self.half - self.sign * (self.support)(self.sign * axis)).dot(axis) > CLEAR * depth;
         let pairs = [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)];
         let (first, second, _) = pairs.into_iter().find(|&(_, _, third)| depth > 0.0 && clear(third))?;
         Some(self.split([first, second], Vec3::ZERO, even(slack.dot(first), slack.dot(second))))
+    }
+
+    /// Over all at once, by Broyden's method from a guess of the slacks; `None` where the moments do not settle, as on flats.
+    fn evened(&self, slack: Vec3) -> Option<Trial> {
+        let least = LEAST_GUESS * self.half.min_element();
+        let inverse = slack.map(|s| 1.0 / max(s, least));
+        let mut last = self.trial(inverse / inverse.element_sum());
+        let mut lead = last.leads();
+        let mut slopes = last.slopes();
+        for _ in 0..BROYDEN_STEPS {
+            if self.is_apart(&last) || self.is_level(&last) {
+                return Some(last);
+            }
+            let step = last.kept_inside(-(slopes.inverse() * lead));
+            last = self.trial(last.roots + Vec3::new(step.x, step.y, -step.x - step.y));
+            let (before, now) = (lead, last.leads());
+            let missed = now - before - slopes * step;
+            let along = step / step.length_squared();
+            slopes += Mat2::from_cols(missed * along.x, missed * along.y);
+            lead = now;
+            if !lead.is_finite() {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// True where a trial proves that part and box keep apart: its weights bound the depth from above.
+    fn is_apart(&self, trial: &Trial) -> bool {
+        self.missed && fifth(trial.roots).dot(trial.slack) < 0.0
+    }
+
+    /// True where all three moments are even and the point lies inside.
+    fn is_level(&self, trial: &Trial) -> bool {
+        let (moments, size) = (trial.moments(), self.half.max_element());
+        trial.slack.min_element() > 0.0 && is_even(moments.x, moments.z, size) && is_even(moments.y, moments.z, size)
     }
 
     /// Over all: the third root by its moment against that of the best split of the rest.
