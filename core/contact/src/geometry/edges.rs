@@ -123,7 +123,12 @@ impl Edges {
         let [_, e1, e2] = self.frame;
         let from_lowest = centroid - self.lowest;
         let middle = Vec2::new(from_lowest.dot(e1), from_lowest.dot(e2));
-        let corners = DIRECTIONS.map(|ray| middle + ray * exit(shape, centroid, e1 * ray.x + e2 * ray.y));
+        let ends = HALF_ROUND.map(|ray| {
+            let [ahead, behind] = exits(shape, centroid, e1 * ray.x + e2 * ray.y);
+            [middle + ray * ahead, middle - ray * behind]
+        });
+        let [[a, g], [b, h], [c, i], [d, j], [e, k], [f, l]] = ends;
+        let corners: [Vec2; RAYS] = [a, b, c, d, e, f, g, h, i, j, k, l];
         let (share, moved) = self.kept(&corners, depth);
         Left { share, moved: e1 * moved.x + e2 * moved.y }
     }
@@ -230,61 +235,86 @@ fn area_and_centroid(corners: &[Vec2]) -> (f32, Vec2) {
     if twice > 0.0 { (0.5 * twice, origin + moment / (3.0 * twice)) } else { (0.0, origin) }
 }
 
-/// How far a ray along the unit vector `e` runs in the shape from the inner point `q` \[m\].
-fn exit(shape: &ProbeShape<'_>, q: Vec3, e: Vec3) -> f32 {
+/// The rays of half a round: the others are their opposites.
+const HALF_ROUND: [Vec2; RAYS / 2] = {
+    let [a, b, c, d, e, f, ..] = DIRECTIONS;
+    [a, b, c, d, e, f]
+};
+
+/// How far rays along the unit vector `e` and against it run in the shape from the inner point `q` \[m\].
+fn exits(shape: &ProbeShape<'_>, q: Vec3, e: Vec3) -> [f32; 2] {
     match *shape {
         ProbeShape::Sphere { radius } => of_ball(q, e, radius),
-        ProbeShape::Ellipsoid { semi_axes } => first_root(
-            -(e / semi_axes).length_squared(),
-            -2.0 * (e / semi_axes).dot(q / semi_axes),
-            1.0 - (q / semi_axes).length_squared(),
-        ),
+        ProbeShape::Ellipsoid { semi_axes } => {
+            let (q, e) = (q / semi_axes, e / semi_axes);
+            first_roots(-e.length_squared(), -2.0 * e.dot(q), 1.0 - q.length_squared())
+        }
         ProbeShape::Box { size } => {
             let half = 0.5 * size;
-            min(slab(q.x, e.x, half.x), min(slab(q.y, e.y, half.y), slab(q.z, e.z, half.z)))
+            nearer(slab(q.x, e.x, half.x), nearer(slab(q.y, e.y, half.y), slab(q.z, e.z, half.z)))
         }
-        ProbeShape::Cylinder { radius, height } => min(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height)),
+        ProbeShape::Cylinder { radius, height } => nearer(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height)),
         ProbeShape::Capsule { radius, height } => {
             let end = Vec3::Z * (0.5 * height);
-            let straight = min(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height));
-            let inside = if q.z.abs() <= 0.5 * height { straight } else { 0.0 };
-            max(inside, max(of_ball(q - end, e, radius), of_ball(q + end, e, radius)))
+            let inside = q.z.abs() <= 0.5 * height;
+            let straight = if inside { nearer(of_tube(q, e, radius), slab(q.z, e.z, 0.5 * height)) } else { [0.0; 2] };
+            farther(straight, farther(of_ball(q - end, e, radius), of_ball(q + end, e, radius)))
         }
         ProbeShape::Cone { radius, height } => {
             let (slope, above) = (radius / height, q.z + 0.75 * height);
             let (er, qr) = (Vec2::new(e.x, e.y), Vec2::new(q.x, q.y));
             let (a, b) = (slope * slope * e.z * e.z - er.length_squared(), 2.0 * (slope * slope * above * e.z - qr.dot(er)));
-            let side = first_root(a, b, slope * slope * above * above - qr.length_squared());
-            min(side, if e.z > 0.0 { max(0.25 * height - q.z, 0.0) / e.z } else { f32::MAX })
+            let side = first_roots(a, b, slope * slope * above * above - qr.length_squared());
+            let base = max(0.25 * height - q.z, 0.0);
+            nearer(side, [e.z, -e.z].map(|up| if up > 0.0 { base / up } else { f32::MAX }))
         }
-        ProbeShape::Mesh(mesh) => mesh.reach(),
+        ProbeShape::Mesh(mesh) => [mesh.reach(); 2],
     }
 }
 
-fn slab(q: f32, e: f32, half: f32) -> f32 {
-    if e == 0.0 { f32::MAX } else { max((if e > 0.0 { half - q } else { -half - q }) / e, 0.0) }
+fn nearer(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [min(a[0], b[0]), min(a[1], b[1])]
 }
 
-fn of_tube(q: Vec3, e: Vec3, radius: f32) -> f32 {
+fn farther(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [max(a[0], b[0]), max(a[1], b[1])]
+}
+
+fn slab(q: f32, e: f32, half: f32) -> [f32; 2] {
+    if e == 0.0 {
+        return [f32::MAX; 2];
+    }
+    let (ahead, behind) = ((half - q) / e, (-half - q) / e);
+    if e > 0.0 { [max(ahead, 0.0), max(-behind, 0.0)] } else { [max(behind, 0.0), max(-ahead, 0.0)] }
+}
+
+fn of_tube(q: Vec3, e: Vec3, radius: f32) -> [f32; 2] {
     let (q, e) = (Vec2::new(q.x, q.y), Vec2::new(e.x, e.y));
-    first_root(-e.length_squared(), -2.0 * q.dot(e), radius * radius - q.length_squared())
+    first_roots(-e.length_squared(), -2.0 * q.dot(e), radius * radius - q.length_squared())
 }
 
-/// Where a ray leaves a ball for good; 0 where it misses it.
-fn of_ball(q: Vec3, e: Vec3, radius: f32) -> f32 {
+/// Where rays leave a ball for good; 0 where they miss it.
+fn of_ball(q: Vec3, e: Vec3, radius: f32) -> [f32; 2] {
     let (b, c) = (q.dot(e), q.length_squared() - radius * radius);
     let rest = b * b - c;
-    if rest > 0.0 { max(root(rest) - b, 0.0) } else { 0.0 }
+    if rest <= 0.0 {
+        return [0.0; 2];
+    }
+    let far = root(rest);
+    [max(far - b, 0.0), max(far + b, 0.0)]
 }
 
-/// First zero at t >= 0 of a t^2 + b t + c, which is not negative at 0.
-fn first_root(a: f32, b: f32, c: f32) -> f32 {
+/// First zeros at t >= 0 of a t^2 + b t + c and of a t^2 - b t + c, which are not negative at 0.
+fn first_roots(a: f32, b: f32, c: f32) -> [f32; 2] {
     let c = max(c, 0.0);
     let rest = b * b - 4.0 * a * c;
-    let far = if rest <= 0.0 && a > 0.0 { return f32::MAX } else { root(rest) };
+    if rest <= 0.0 && a > 0.0 {
+        return [f32::MAX; 2];
+    }
     // 2 c/(root - b) and (-b - root)/(2 a) are the same zero; the first cancels where b > 0
-    let found = if b <= 0.0 { 2.0 * c / (far - b) } else { (-b - far) / (2.0 * a) };
-    if found >= 0.0 && found.is_finite() { found } else { f32::MAX }
+    let sum = root(rest) + b.abs();
+    let [falling, rising] = [2.0 * c / sum, -sum / (2.0 * a)].map(|t| if t >= 0.0 && t.is_finite() { t } else { f32::MAX });
+    [if b <= 0.0 { falling } else { rising }, if b >= 0.0 { falling } else { rising }]
 }
 
 #[cfg(test)]
@@ -300,9 +330,10 @@ mod tests {
                 let f = i as f32;
                 let q = Vec3::new(libm::sinf(f), libm::sinf(2.3 * f), libm::cosf(0.7 * f)) * 0.003;
                 let e = direction(Vec3::new(libm::cosf(3.1 * f), libm::sinf(1.7 * f), libm::cosf(f)), Vec3::X);
-                let t = exit(&shape, q, e);
-                let off = |t: f32| (closest(&shape, q + e * t) - (q + e * t)).length();
-                assert!(t < 2.0 * reach(&shape) && off(t) < 1.0e-6 && off(t + 1.0e-4) > 1.0e-7, "{shape:?} {q} {e}: {t}");
+                for (e, t) in [e, -e].into_iter().zip(exits(&shape, q, e)) {
+                    let off = |t: f32| (closest(&shape, q + e * t) - (q + e * t)).length();
+                    assert!(t < 2.0 * reach(&shape) && off(t) < 1.0e-6 && off(t + 1.0e-4) > 1.0e-7, "{shape:?} {q} {e}: {t}");
+                }
             }
         }
     }
