@@ -215,25 +215,7 @@ fn scene_text(into: &mut String, scene: &str, report: &Value) -> Result<()> {
     *into += "|---|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---|---:|\n";
     let levels = list(&report["levels"]);
     for level in levels {
-        let (dearest, time) = (&level["dearest"], &level["time"]);
-        let us = |name: &str| format!("{:.1} us", number(&time[name]) as f64 / 1000.0);
-        writeln!(
-            into,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} % | {} | {} |",
-            text(&level["name"]),
-            dearest["cost"],
-            dearest["regions"],
-            text(&dearest["input"]),
-            level["search"]["histories"],
-            time["ticks"],
-            us("p50_ns"),
-            us("p99_9_ns"),
-            us("p99_99_ns"),
-            us("max_ns"),
-            100.0 * time["max_of_1_khz"].as_f64().unwrap_or(0.0),
-            if time["fifo"] == true { "yes" } else { "refused" },
-            level["stack_bytes"],
-        )?;
+        level_row(into, level)?;
     }
     stages(into, levels)?;
     let units = levels.iter().flat_map(|level| list(&level["units"]).iter().map(move |unit| (level, unit)));
@@ -249,6 +231,29 @@ fn scene_text(into: &mut String, scene: &str, report: &Value) -> Result<()> {
     }
     other_coupling(into, &report["other_coupling"])?;
     exercised(into, &report["exercised"])
+}
+
+fn level_row(into: &mut String, level: &Value) -> Result<()> {
+    let (dearest, time) = (&level["dearest"], &level["time"]);
+    let us = |name: &str| format!("{:.1} us", number(&time[name]) as f64 / 1000.0);
+    writeln!(
+        into,
+        "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} % | {} | {} |",
+        text(&level["name"]),
+        dearest["cost"],
+        dearest["regions"],
+        text(&dearest["input"]),
+        level["search"]["histories"],
+        time["ticks"],
+        us("p50_ns"),
+        us("p99_9_ns"),
+        us("p99_99_ns"),
+        us("max_ns"),
+        100.0 * time["max_of_1_khz"].as_f64().unwrap_or(0.0),
+        if time["fifo"] == true { "yes" } else { "refused" },
+        level["stack_bytes"],
+    )?;
+    Ok(())
 }
 
 fn other_coupling(into: &mut String, other: &Value) -> Result<()> {

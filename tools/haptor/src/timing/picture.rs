@@ -106,12 +106,18 @@ fn row(
     chart
         .draw_series(columns.iter().map(|&(from, to, count)| Rectangle::new([(from, 0.5), (to, count as f64)], FILL.filled())))?;
     let values = [timed.p50, timed.p999, timed.p9999, timed.max].map(|ns| ns as f64 / 1000.0);
-    let pixel = |time: f64| chart.plotting_area().map_coordinate(&(time, counts.end));
-    let pixels = values.map(pixel);
+    for ((_, colour), time) in MARKS.iter().zip(values) {
+        chart.draw_series(LineSeries::new([(time, counts.start), (time, counts.end)], colour.stroke_width(2)))?;
+    }
+    let pixels = values.map(|time| chart.plotting_area().map_coordinate(&(time, counts.end)));
+    label(area, name, values, pixels)
+}
+
+/// Names the row, and the marked quantiles at the upper ends of their lines, one below the other.
+fn label(area: &DrawingArea<BitMapBackend<'_>, Shift>, name: &str, values: [f64; 4], pixels: [(i32, i32); 4]) -> Drawn {
     let (left, top) = area.get_base_pixel();
     for (k, ((mark, colour), time)) in MARKS.iter().zip(values).enumerate() {
-        chart.draw_series(LineSeries::new([(time, counts.start), (time, counts.end)], colour.stroke_width(2)))?;
-        // on the left of its line where the next one is too close; one below the other
+        // on the left of its line where the next one is too close
         let crowded = pixels.get(k + 1).is_some_and(|next| next.0 - pixels[k].0 < NAME_WIDTH);
         let (at, side) = if crowded { (HPos::Right, -5) } else { (HPos::Left, 5) };
         let style = (FONT, 16).into_font().color(colour).pos(Pos::new(at, VPos::Top));

@@ -3,7 +3,7 @@
 use haptor_contact::{Tier, Vec3};
 use haptor_mesh::DVec3;
 
-use super::motions::{Kind, MOTIONS, SAMPLES};
+use super::motions::{Kind, MOTIONS, Motion, SAMPLES};
 use super::stage::Stage;
 use super::truth::{Felt, Truth, Units};
 use crate::failure::Failure;
@@ -72,14 +72,7 @@ pub fn solve(
     units: Option<Units>,
     progress: &mut dyn FnMut(),
 ) -> Result<Answers, Failure> {
-    let params = stage.params(Tier::Point, stage.scene.params.samples.min(256), 1);
-    let mut simulation = stage.simulate(&params, None)?;
-    stage.press(&mut simulation, 1.0e3, &mut 0.0);
-    let patches = simulation.contacts();
-    let across = fineness.across(patches.len());
-    let Some(mut truth) = Truth::new(stage.scene, stage.touch, stage.depth, patches, across) else {
-        return Err(Failure::problem("the probe's mesh has no skin: the gap cannot be measured"));
-    };
+    let (mut truth, contacts) = untouched(stage, fineness)?;
     let pressed = truth.press(stage.depth);
     progress();
     let (units, places) = (units.unwrap_or(truth.units()), truth.places(REACH));
@@ -90,14 +83,9 @@ pub fn solve(
     for motion in &MOTIONS {
         let mut along = |substeps: usize| {
             truth.restore(start.clone());
-            let steps = SAMPLES * substeps;
-            let felt: Vec<Felt> = (1..=steps).map(|i| truth.lead(stage.led(motion, &units, i as f64 / steps as f64))).collect();
-            felt.into_iter().skip(substeps - 1).step_by(substeps).collect::<Vec<_>>()
+            lead(&mut truth, stage, motion, &units, substeps)
         };
-        let felt = match motion.kind {
-            Kind::Mixed => extrapolated(&along(fineness.substeps), &along(2 * fineness.substeps)),
-            Kind::Twist | Kind::Reversal => along(1),
-        };
+        let felt = finely(motion.kind, fineness.substeps, &mut along);
         led.push(Led { felt, moved: moved(&truth) });
         progress();
     }
@@ -110,9 +98,35 @@ pub fn solve(
         led,
         torque,
         source: truth.source.clone(),
-        contacts: patches.len(),
+        contacts,
         unconverged: truth.unconverged(),
     })
+}
+
+/// The truth before the press, with the number of contacts there will be.
+fn untouched(stage: &Stage<'_>, fineness: Fineness) -> Result<(Truth, usize), Failure> {
+    let params = stage.params(Tier::Point, stage.scene.params.samples.min(256), 1);
+    let mut simulation = stage.simulate(&params, None)?;
+    stage.press(&mut simulation, 1.0e3, &mut 0.0);
+    let patches = simulation.contacts();
+    let truth = Truth::new(stage.scene, stage.touch, stage.depth, patches, fineness.across(patches.len()));
+    let truth = truth.ok_or_else(|| Failure::problem("the probe's mesh has no skin: the gap cannot be measured"))?;
+    Ok((truth, patches.len()))
+}
+
+/// Leads the truth along a motion, `substeps` steps from one sample to the next, and tells what was felt at the samples.
+fn lead(truth: &mut Truth, stage: &Stage<'_>, motion: &Motion, units: &Units, substeps: usize) -> Vec<Felt> {
+    let steps = SAMPLES * substeps;
+    let felt: Vec<Felt> = (1..=steps).map(|i| truth.lead(stage.led(motion, units, i as f64 / steps as f64))).collect();
+    felt.into_iter().skip(substeps - 1).step_by(substeps).collect()
+}
+
+/// What is felt along a motion of a kind, as finely as the kind needs.
+fn finely(kind: Kind, substeps: usize, along: &mut dyn FnMut(usize) -> Vec<Felt>) -> Vec<Felt> {
+    match kind {
+        Kind::Mixed => extrapolated(&along(substeps), &along(2 * substeps)),
+        Kind::Twist | Kind::Reversal => along(1),
+    }
 }
 
 /// Slip follows the direction of a step, which is that of its middle: an error in proportion to the step, taken off by two solutions.

@@ -367,29 +367,8 @@ fn stiffer(scene: &Scene, solid: Solid, depth: f64) -> f64 {
 /// What moves the ground under the patches beyond their own half space, and where that comes from.
 fn ground(scene: &Scene, sites: &[Site], patches: &[CorePatch], solid: Solid, flat: bool) -> (Ground, [f64; 2], String) {
     let (nu, g, count) = (solid.poisson_ratio, solid.shear_modulus, sites.len());
-    let a = patches.iter().map(|patch| f64::from(patch.footprint.radius)).sum::<f64>() / count as f64;
-    let mean = |of: fn(&CorePatch) -> f32| patches.iter().map(|patch| f64::from(of(patch))).sum::<f64>() / count as f64;
-    let (mut twist, mut drag, normal) =
-        (mean(|patch| patch.body.twist), mean(|patch| patch.body.drag), mean(|patch| patch.body.normal));
-    let mut source = "half space solved".to_owned();
-    match Known::of(&scene.object.shape) {
-        Some(known) => {
-            let offset = sites.iter().map(|site| site.centre.with_z(0.0).length()).fold(0.0, f64::max);
-            let apart = (count > 1).then(|| known.couple(nu, g, offset)).flatten();
-            twist = apart.unwrap_or_else(|| known.twist(nu, g, a));
-            let by_elements = known.drag(nu, g, a);
-            drag = by_elements.unwrap_or(drag);
-            let whose =
-                if by_elements.is_some() { "finite elements" } else { "finite elements in twist, the scene's own in drag" };
-            source += &format!("; body's compliance by {whose}");
-        }
-        None if twist == 0.0 && drag == 0.0 => {}
-        None => {
-            let round = if flat { 0.0 } else { mean(|patch| 0.735 * patch.footprint.radius / patch.object_radius).min(0.75) };
-            twist += 3.0 / (16.0 * g * a.powi(3)) * (1.0 / (1.0 - round) - 1.0) / count as f64;
-            source += "; body's compliance is the scene's own";
-        }
-    }
+    let (drag, twist, whose) = of_body(scene, sites, patches, solid, flat);
+    let normal = mean_of(patches, |patch| patch.body.normal);
     let mut ground = Ground::firm(count);
     for i in 0..count {
         for j in 0..count {
@@ -405,7 +384,37 @@ fn ground(scene: &Scene, sites: &[Site], patches: &[CorePatch], solid: Solid, fl
         }
         ground.normal[i * count + i] = normal;
     }
-    (ground, [drag, twist], source)
+    (ground, [drag, twist], format!("half space solved{whose}"))
+}
+
+/// Compliance of the whole body in drag and twist, and where it comes from, to be said after the half space.
+fn of_body(scene: &Scene, sites: &[Site], patches: &[CorePatch], solid: Solid, flat: bool) -> (f64, f64, &'static str) {
+    let (nu, g, count) = (solid.poisson_ratio, solid.shear_modulus, sites.len());
+    let a = mean_of(patches, |patch| patch.footprint.radius);
+    let (drag, twist) = (mean_of(patches, |patch| patch.body.drag), mean_of(patches, |patch| patch.body.twist));
+    match Known::of(&scene.object.shape) {
+        Some(known) => {
+            let offset = sites.iter().map(|site| site.centre.with_z(0.0).length()).fold(0.0, f64::max);
+            let apart = (count > 1).then(|| known.couple(nu, g, offset)).flatten();
+            let twist = apart.unwrap_or_else(|| known.twist(nu, g, a));
+            match known.drag(nu, g, a) {
+                Some(drag) => (drag, twist, "; body's compliance by finite elements"),
+                None => (drag, twist, "; body's compliance by finite elements in twist, the scene's own in drag"),
+            }
+        }
+        None if twist == 0.0 && drag == 0.0 => (drag, twist, ""),
+        None => {
+            let of = |patch: &CorePatch| 0.735 * patch.footprint.radius / patch.object_radius;
+            let round = if flat { 0.0 } else { mean_of(patches, of).min(0.75) };
+            let own = 3.0 / (16.0 * g * a.powi(3)) * (1.0 / (1.0 - round) - 1.0) / count as f64;
+            (drag, twist + own, "; body's compliance is the scene's own")
+        }
+    }
+}
+
+/// Mean of a figure over all patches.
+fn mean_of(patches: &[CorePatch], of: fn(&CorePatch) -> f32) -> f64 {
+    patches.iter().map(|patch| f64::from(of(patch))).sum::<f64>() / patches.len() as f64
 }
 
 /// Motion of patch `i` by a unit of each component of patch `j`'s grip, by shear and twist of the whole body.

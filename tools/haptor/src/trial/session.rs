@@ -78,6 +78,11 @@ pub struct Ran {
 }
 
 impl Ran {
+    fn new(summary: Summary, times: &str, stood_still: u64) -> Self {
+        let of = |what| Spread::of_times(times, what);
+        Self { summary, wake: of("wake_up"), step: of("step"), round_trip: of("round_trip"), stood_still }
+    }
+
     /// Share of ticks in time.
     pub fn share(&self) -> f64 {
         self.summary.in_time as f64 / self.summary.ticks.max(1) as f64
@@ -122,15 +127,8 @@ pub fn run<T>(trial: &Trial<'_>, stop: &AtomicBool, beside: impl FnOnce() -> Res
     let table = fs::read_to_string(&times).map_err(|error| unwritten(&error))?;
     // a recording of a trial is made to be made
     let _ = fs::remove_file(&record);
-    let of = |what| Spread::of_times(&table, what);
-    let ran = Ran {
-        summary,
-        wake: of("wake_up"),
-        step: of("step"),
-        round_trip: of("round_trip"),
-        stood_still: simulated.map_or(0, SimulatedDevice::stood_still),
-    };
-    Ok((ran, result))
+    let stood_still = simulated.map_or(0, SimulatedDevice::stood_still);
+    Ok((Ran::new(summary, &table, stood_still), result))
 }
 
 fn simulated(trial: &Trial<'_>) -> Result<Option<SimulatedDevice>, Failure> {

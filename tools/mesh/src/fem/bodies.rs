@@ -162,7 +162,6 @@ fn graded(ring: f64, patch_over_height: f64, density: Density) -> RoundCut {
 fn ellipsoid(cut: &RoundCut, axes: DVec3, held: f64, ring: f64) -> Bricks {
     let bottom = (held / axes.z - 1.0).acos();
     let polar = |angle: f64| (angle.sin(), angle.cos());
-    let mean = (axes.x * axes.y).sqrt();
     let meridian = move |s: f64, w: f64| {
         let top = {
             let r = s * SHOULDER.sin();
@@ -187,20 +186,20 @@ fn ellipsoid(cut: &RoundCut, axes: DVec3, held: f64, ring: f64) -> Bricks {
             ),
         )
     };
-    bent_quarter(
-        cut,
-        Skin::Contact,
-        meridian,
-        move |x, y| {
-            let outside = ((x.hypot(y) - ring) / (1.0 - ring)).clamp(0.0, 1.0);
-            let bend = |axis: f64| {
-                let inner = mean / axis;
-                inner + (1.0 - inner) * outside
-            };
-            (x * bend(axes.x), y * bend(axes.y))
-        },
-        move |unit: DVec3| (unit + DVec3::Z) * axes,
-    )
+    bent_quarter(cut, Skin::Contact, meridian, going_over(axes, ring), move |unit: DVec3| (unit + DVec3::Z) * axes)
+}
+
+/// Takes a unit section whose rings are circles to one where those outside `ring` go over to the ellipses of the body.
+fn going_over(axes: DVec3, ring: f64) -> impl Fn(f64, f64) -> (f64, f64) {
+    let mean = (axes.x * axes.y).sqrt();
+    move |x, y| {
+        let outside = ((x.hypot(y) - ring) / (1.0 - ring)).clamp(0.0, 1.0);
+        let bend = |axis: f64| {
+            let inner = mean / axis;
+            inner + (1.0 - inner) * outside
+        };
+        (x * bend(axes.x), y * bend(axes.y))
+    }
 }
 
 /// The frame of the contact, in units of the body.
