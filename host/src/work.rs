@@ -1,7 +1,7 @@
 //! What a unit of work takes on this machine, and the budget of a tick that follows from it.
 //!
 //! The core counts work in instructions of its x86-64 release build ([`haptor_contact::budget`]). What one takes here is measured: an engine of the scene,
-//! without limit, presses, slides and twists for a second of ticks, and each tick's time is divided by its estimate. What all but one tick in a hundred stay below is
+//! without limit, presses, slides and twists for a thousand ticks, and each tick's time is divided by its estimate. What all but one tick in a hundred stay below is
 //! taken, so that caches and branches that are not warm are in it and an interrupt is not. The budget is what a share of the period has room for. It is a setting
 //! like any other: it goes into the recording with the session's tuning, so that a replay needs no clock to come out to the bit.
 //!

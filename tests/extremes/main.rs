@@ -23,9 +23,12 @@ usage: extremes [--steps N] [--seed S] [--machine WORDS] [-o FOLDER]   writes EX
        extremes --law NAME --case SEED   runs one case and prints it";
 
 fn main() -> ExitCode {
-    let Some(asked) = asked(std::env::args().skip(1)) else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
+    let asked = match asked(std::env::args().skip(1)) {
+        Ok(asked) => asked,
+        Err(wrong) => {
+            eprintln!("{wrong}\n{USAGE}");
+            return ExitCode::from(2);
+        }
     };
     if let (Some(law), Some(seed)) = (asked.law, asked.case) {
         let (case, outcome) = run::judge(law, seed);
@@ -91,7 +94,8 @@ fn random_cases(asked: &Asked) -> run::Tallies {
 /// Ticks between two words of progress.
 const PROGRESS: u64 = 5_000_000;
 
-fn asked(mut args: impl Iterator<Item = String>) -> Option<Asked> {
+/// What is asked for, or what is wrong with it.
+fn asked(mut args: impl Iterator<Item = String>) -> Result<Asked, String> {
     let mut asked = Asked {
         steps: 1_000_000,
         seed: 1,
@@ -101,18 +105,40 @@ fn asked(mut args: impl Iterator<Item = String>) -> Option<Asked> {
         case: None,
     };
     while let Some(name) = args.next() {
-        let value = args.next()?;
+        let value = args.next().ok_or_else(|| format!("{name}: its value is missing"))?;
+        let not = |allowed: &str| format!("{name} is {value}, allowed is {allowed}");
         match name.as_str() {
-            "--steps" => asked.steps = value.parse().ok()?,
-            "--seed" => asked.seed = value.parse().ok()?,
+            "--steps" => {
+                asked.steps = value.parse().ok().filter(|&steps| steps > 0).ok_or_else(|| not("a number of ticks, 1 or more"))?;
+            }
+            "--seed" => asked.seed = value.parse().map_err(|_| not("0 to 18446744073709551615"))?,
             "--machine" => asked.machine = value,
-            "--law" => asked.law = Some(LAWS.into_iter().find(|law| law.name() == value)?),
-            "--case" => asked.case = Some(u64::from_str_radix(&value, 16).ok()?),
-            "-o" => asked.folder = Some(value),
-            _ => return None,
+            "--law" => asked.law = Some(law(&value).ok_or_else(|| not(&LAWS.map(Law::name).join(", ")))?),
+            "--case" => {
+                asked.case = Some(u64::from_str_radix(&value, 16).map_err(|_| not("a seed of up to 16 hexadecimal digits"))?);
+            }
+            "-o" => asked.folder = Some(writable(value)?),
+            _ => return Err(format!("{name}: there is no such option")),
         }
     }
-    Some(asked)
+    match (asked.law, asked.case) {
+        (Some(_), None) => Err("--law: name the case too, --case SEED".to_owned()),
+        (None, Some(_)) => Err("--case: name the law too, --law NAME".to_owned()),
+        _ => Ok(asked),
+    }
+}
+
+fn law(name: &str) -> Option<Law> {
+    LAWS.into_iter().find(|law| law.name() == name)
+}
+
+/// A folder that can be written to: asked before minutes of work.
+fn writable(folder: String) -> Result<String, String> {
+    let tried = tempfile::tempfile_in(&folder);
+    tried.map_err(|error| {
+        format!("-o is {folder}, nothing can be written there: {error}; give a folder that can be written to")
+    })?;
+    Ok(folder)
 }
 
 fn write(

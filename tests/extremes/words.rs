@@ -207,7 +207,7 @@ fn meaning(law: Law) -> &'static str {
             "the world turned by a quarter about the vertical, the probe's own axes with it, so that both worlds have the same digits. Figure as above. Samples stand in a pattern that does not turn with the world: two per cent."
         }
         Law::Moved => {
-            "on a half space the same poses up to a kilometre away; both sessions have the far one's digits. Figure as above; the bound is rounding of arms."
+            "on a half space the same poses up to 700 m away; both sessions have the far one's digits. Figure as above; the bound is rounding of arms."
         }
         Law::Stick => {
             "a motion along the surface of a thousandth of what slips, out and back. Figure: what is left of the change over its largest."
@@ -231,7 +231,7 @@ fn meaning(law: Law) -> &'static str {
 const FOOT: &str = "
 ## Cases that are kept
 
-`extremes-cases.csv` holds the worst case of every law and tier. A case alone: `cargo run --release -p haptor-tests --bin extremes -- --law NAME --case SEED`.
+`extremes-cases.csv` holds the worst case of every law and tier. The tests run each: nothing may break that must never break, and a figure above its bound, or of a law without one, may grow by a twentieth at most. A case alone: `cargo run --release -p haptor-tests --bin extremes -- --law NAME --case SEED`.
 ";
 
 /// The map: axis, value, tier, what was found, error.

@@ -282,6 +282,32 @@ fn bad_usage_is_refused() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// Commands that measure for minutes refuse what they cannot end with before they begin: each names option, value and what is allowed.
+#[test]
+fn long_measurements_are_refused_at_once() {
+    let table: &[(&str, &str, &str)] = &[
+        ("trade", "--rate -5", "'-5' for '--rate <HZ>': allowed is 100 to 10000 Hz"),
+        ("trade", "--ticks 0", "'0' for '--ticks <N>': allowed is 1 to 1000000000 ticks"),
+        ("trade", "--depth nan", "'nan' for '--depth <M>': allowed is 1e-9 to 1 m"),
+        ("trade", "--picture no/such/folder.png", "no/such/folder.png: cannot be written: there is no folder no/such"),
+        ("timing", "--rate abc", "'abc' for '--rate <HZ>': allowed is 100 to 8000 Hz"),
+        ("timing", "--search-seconds -1", "'-1' for '--search-seconds <S>': allowed is 0 to 1000000 s"),
+        ("timing", "--tier bristle --samples 5", "'5' for '--samples <N>': allowed is 16 to 1024"),
+        ("timing", "--tier bristle --samples 300", "--samples 300: model.samples is 300"),
+        ("timing", "--cpu 100000", "'100000' for '--cpu <N>': allowed are the CPUs that this process may use: "),
+        ("timing", "--known no/such", "no/such: no folder; --known takes one with files SCENE-TIER-SAMPLES.csv"),
+        ("timing", "--png no/such/folder.png", "no/such/folder.png: cannot be written: there is no folder no/such"),
+        ("timing", "--save tests", "tests: cannot be written: it is a directory"),
+        ("timing", "-o README.md", "README.md: cannot be made: "),
+    ];
+    for (command, more, part) in table {
+        let output = haptor().args([command, "tests/scenes/cube-twist.toml"]).args(more.split(' ')).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command} {more}: {said}");
+        assert!(said.contains(part), "{command} {more}: {said}");
+    }
+}
+
 #[test]
 fn what_was_there_stays_when_the_input_is_bad() {
     let folder = tempfile::tempdir().unwrap();

@@ -82,7 +82,7 @@ pub fn turned(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// On a half space x and y have no origin: the same poses, told up to a kilometre away, feel alike. Both sessions have the digits of the far one, so that what differs is the core's own rounding.
+/// On a half space x and y have no origin: the same poses, told up to 700 m away, feel alike. Both sessions have the digits of the far one, so that what differs is the core's own rounding.
 pub fn moved(case: &Case, outcome: &mut Outcome) -> Result<(), Invalid> {
     if case.twin.parts.iter().any(|part| matches!(part.shape, ProbeShape::Mesh(_))) || case.twin.params.tier == Tier::Green {
         return Ok(());

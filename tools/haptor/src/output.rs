@@ -34,6 +34,14 @@ impl Output {
         Self::open(path).map_err(|error| Failure::bad_input(format!("{}: cannot be written: {error}", path.display())))
     }
 
+    /// Whether something could be written there: asked before what takes long.
+    ///
+    /// # Errors
+    /// As [`create`](Self::create).
+    pub fn check(path: Option<&Path>) -> Outcome {
+        Self::create(path).map(drop)
+    }
+
     fn open(path: &Path) -> io::Result<Self> {
         if fs::metadata(path).is_ok_and(|info| !info.is_file() && !info.is_dir()) {
             let file = OpenOptions::new().write(true).open(path)?;

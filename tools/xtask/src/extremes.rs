@@ -10,7 +10,7 @@ use crate::run::{self, cargo, program, root, target};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Ticks of random cases; the five hundred million along the axes come beside them
-    #[arg(long, default_value_t = 1_000_000, value_name = "N")]
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     steps: u64,
     /// Seed of the cases
     #[arg(long, default_value_t = 1, value_name = "S")]

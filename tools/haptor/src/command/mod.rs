@@ -24,7 +24,15 @@ mod watch;
 pub use eval::HEADER as EVAL_HEADER;
 pub use run::device as device_kind;
 
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
 use crate::failure::Outcome;
+
+/// A number within a range, or what is allowed.
+fn within<T: FromStr + PartialOrd>(text: &str, range: &RangeInclusive<T>, allowed: &str) -> Result<T, String> {
+    text.parse().ok().filter(|value| range.contains(value)).ok_or_else(|| format!("allowed is {allowed}"))
+}
 
 /// What the tool can do.
 #[derive(Debug, clap::Subcommand)]

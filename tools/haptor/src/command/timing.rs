@@ -11,8 +11,10 @@ use haptor_wire::{Coupling, Tuning, VirtualCoupling};
 
 use super::bake::bake;
 use super::eval::TierName;
+use super::within;
+use crate::doctor::cpus;
 use crate::failure::{Failure, Outcome};
-use crate::output::{say, unwritten, write_file};
+use crate::output::{Output, say, unwritten, write_file};
 use crate::progress;
 use crate::scene::{Extras, Scene};
 use crate::timing::cover::Cover;
@@ -43,22 +45,22 @@ pub struct Args {
     #[arg(long, value_name = "T")]
     tier: Option<TierName>,
     /// Samples per region of that tier
-    #[arg(long, value_name = "N", requires = "tier")]
+    #[arg(long, value_name = "N", requires = "tier", allow_negative_numbers = true, value_parser = samples)]
     samples: Option<u16>,
     /// Ticks to time for each tier, 0 for none; 10000000 for p99.99 and max that mean something
-    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    #[arg(long, value_name = "N", default_value_t = 200_000, allow_negative_numbers = true, value_parser = ticks)]
     ticks: u64,
     /// Longest time to spend on them for each tier [s]: then fewer are timed, and the report says how many
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = time_seconds)]
     time_seconds: Option<u32>,
     /// Length of the search for each tier [s], 0 for none
-    #[arg(long, value_name = "S", default_value_t = 20)]
+    #[arg(long, value_name = "S", default_value_t = 20, allow_negative_numbers = true, value_parser = search_seconds)]
     search_seconds: u64,
     /// Generations of the search in place of seconds: the same seed then finds the same
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = generations)]
     generations: Option<u32>,
     /// Seed of the search
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = seed)]
     seed: u64,
     /// Folder with inputs that are known to be dear: SCENE-TIER-SAMPLES.csv, the scene's file without .toml. They are measured beside the motions, and the search begins with them too
     #[arg(long, value_name = "DIR")]
@@ -67,13 +69,13 @@ pub struct Args {
     #[arg(long, value_name = "CSV", conflicts_with_all = ["search_seconds", "generations", "seed", "known"])]
     poses: Option<PathBuf>,
     /// Ticks per second [Hz], 100 to 8000
-    #[arg(long, value_name = "HZ", default_value_t = crate::config::RATE, value_parser = clap::value_parser!(u32).range(100..=8000))]
+    #[arg(long, value_name = "HZ", default_value_t = crate::config::RATE, allow_negative_numbers = true, value_parser = rate)]
     rate: u32,
     /// enforce: refuse to time without real-time rights, saying what to do; ignore: take what is granted and say so
     #[arg(long, value_parser = ["enforce", "ignore"], default_value = "ignore")]
     rt: String,
     /// CPU to time on; the last one that may be used when not given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = cpu)]
     cpu: Option<usize>,
     /// Print JSON
     #[arg(long)]
@@ -92,6 +94,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Outcome {
     let scene = Scene::load(&args.scene)?;
+    check(args)?;
     let measure = Measure::find()?;
     let given = args.poses.as_deref().map(given).transpose()?;
     let baked = baked(&scene, args)?;
@@ -124,12 +127,58 @@ pub fn run(args: &Args) -> Outcome {
         cover: judge.cover.clone(),
     };
     keep(args, &judge, &base, &report)?;
-    if args.json {
-        say(format_args!("{:#}", report.json()));
-    } else {
-        say(report.text().trim_end());
-    }
+    let text = if args.json { format!("{:#}", report.json()) } else { report.text() };
+    say(text.trim_end());
     Ok(())
+}
+
+fn samples(text: &str) -> Result<u16, String> {
+    within(text, &(16..=1024), "16 to 1024; bristle at most 256, influence and green 52 or 112")
+}
+
+fn ticks(text: &str) -> Result<u64, String> {
+    within(text, &(0..=1_000_000_000_000), "0 to 1000000000000 ticks")
+}
+
+fn time_seconds(text: &str) -> Result<u32, String> {
+    within(text, &(1..=1_000_000), "1 to 1000000 s")
+}
+
+fn search_seconds(text: &str) -> Result<u64, String> {
+    within(text, &(0..=1_000_000), "0 to 1000000 s")
+}
+
+fn generations(text: &str) -> Result<u32, String> {
+    within(text, &(0..=u32::MAX), "0 to 4294967295")
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    within(text, &(0..=u64::MAX), "0 to 18446744073709551615")
+}
+
+fn rate(text: &str) -> Result<u32, String> {
+    within(text, &(100..=8000), "100 to 8000 Hz")
+}
+
+fn cpu(text: &str) -> Result<usize, String> {
+    let own = cpus::allowed();
+    let name = |cpu: &usize| cpu.to_string();
+    let refused =
+        || format!("allowed are the CPUs that this process may use: {}", own.iter().map(name).collect::<Vec<_>>().join(", "));
+    text.parse().ok().filter(|cpu| own.contains(cpu)).ok_or_else(refused)
+}
+
+/// Whether what comes out can be written, and whether what is known lies where it is said to: asked before minutes of work.
+fn check(args: &Args) -> Outcome {
+    let refused = |folder: &Path, what: &dyn std::fmt::Display| Failure::bad_input(format!("{}: {what}", folder.display()));
+    if let Some(folder) = args.known.as_deref().filter(|folder| !folder.is_dir()) {
+        return Err(refused(folder, &"no folder; --known takes one with files SCENE-TIER-SAMPLES.csv"));
+    }
+    args.save.iter().chain(&args.png).try_for_each(|file| Output::check(Some(file)))?;
+    let Some(folder) = &args.output else { return Ok(()) };
+    let made = std::fs::create_dir_all(folder);
+    made.map_err(|error| refused(folder, &format_args!("cannot be made: {error}; -o takes a folder that can be written to")))?;
+    Output::check(Some(&folder.join("timing.json")))
 }
 
 fn baked(scene: &Scene, args: &Args) -> Result<Vec<u8>, Failure> {
@@ -185,7 +234,11 @@ fn levels(args: &Args, read: &Baked) -> Result<Vec<Level>, Failure> {
         }
     }
     for level in &levels {
-        read.tuned(&level.tuning(&Tuning::of(baked))).map_err(|error| refused(args, &error))?;
+        let asked = |error| match args.samples {
+            Some(samples) => Failure::bad_input(format!("--samples {samples}: {error}")),
+            None => refused(args, &error),
+        };
+        read.tuned(&level.tuning(&Tuning::of(baked))).map_err(asked)?;
     }
     Ok(levels)
 }
@@ -344,7 +397,6 @@ fn keep(args: &Args, judge: &Judge<'_>, base: &Tuning, report: &Report) -> Outco
         picture::draw(file, report).map_err(Failure::problem)?;
     }
     let Some(folder) = &args.output else { return Ok(()) };
-    std::fs::create_dir_all(folder).map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
     write_file(&folder.join("timing.json"), format!("{:#}\n", report.json()).as_bytes())?;
     if args.ticks > 0 {
         picture::draw(&folder.join("timing.png"), report).map_err(Failure::problem)?;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use super::eval::TierName;
+use super::within;
 use crate::failure::{Failure, Outcome};
-use crate::output::{say, write_file};
+use crate::output::{Output, say, write_file};
 use crate::progress;
 use crate::scene::Scene;
 use crate::table::{self, Table};
@@ -38,22 +39,22 @@ pub struct Args {
     #[arg(long)]
     quick: bool,
     /// Ticks a second [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 1000.0, value_parser = rate)]
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true, value_parser = rate)]
     rate: f64,
     /// Recommend the cheapest setting within this error [%], in place of the most accurate that fits
-    #[arg(long, value_name = "PCT", value_parser = percent)]
+    #[arg(long, value_name = "PCT", allow_negative_numbers = true, value_parser = percent)]
     error: Option<f64>,
     /// Share of the tick's period that the dearest tick may take [%]
-    #[arg(long, value_name = "PCT", default_value_t = 50.0, value_parser = percent)]
+    #[arg(long, value_name = "PCT", default_value_t = 50.0, allow_negative_numbers = true, value_parser = percent)]
     share: f64,
     /// Depth of the press in place of a twentieth of the probe's radius [m]
-    #[arg(long, value_name = "M", value_parser = depth)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = depth)]
     depth: Option<f64>,
     /// Only this tier; may be repeated
     #[arg(long, value_name = "T")]
     tier: Vec<TierName>,
     /// Ticks to time for each setting [default: 50000, with --quick 4000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = ticks)]
     ticks: Option<usize>,
     /// Errors only
     #[arg(long, conflicts_with_all = ["picture", "no_time"])]
@@ -86,6 +87,9 @@ pub fn run(args: &Args) -> Outcome {
         return cost::counted(&Stage::new(&scene, &name, Some(order.depth))?, order, &name);
     }
     let stage = Stage::new(&scene, &name, args.depth)?;
+    // before minutes of work for nothing
+    let changed = args.write.then_some(args.scene.as_path());
+    args.picture.as_deref().into_iter().chain(changed).try_for_each(|file| Output::check(Some(file)))?;
     let trade = measured(args, &stage, &name)?;
     let limits = Limits { error: args.error, share: args.share };
     match (args.json, args.markdown) {
@@ -231,17 +235,17 @@ fn write(scene: &Path, trade: &Trade, limits: &Limits) -> Outcome {
 }
 
 fn rate(text: &str) -> Result<f64, String> {
-    within(text, 100.0..=10_000.0, "100 to 10000 Hz")
+    within(text, &(100.0..=10_000.0), "100 to 10000 Hz")
 }
 
 fn percent(text: &str) -> Result<f64, String> {
-    within(text, 0.1..=1000.0, "0.1 to 1000 %")
+    within(text, &(0.1..=1000.0), "0.1 to 1000 %")
 }
 
 fn depth(text: &str) -> Result<f64, String> {
-    within(text, 1.0e-9..=1.0, "1e-9 to 1 m")
+    within(text, &(1.0e-9..=1.0), "1e-9 to 1 m")
 }
 
-fn within(text: &str, range: std::ops::RangeInclusive<f64>, allowed: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value| range.contains(value)).ok_or_else(|| format!("allowed is {allowed}"))
+fn ticks(text: &str) -> Result<usize, String> {
+    within(text, &(1..=1_000_000_000), "1 to 1000000000 ticks")
 }

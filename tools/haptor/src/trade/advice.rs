@@ -111,8 +111,8 @@ fn nothing(trade: &Trade, limits: &Limits) -> String {
     let mut text = format!("Nothing that was tried stays{asked} within {} % of the period at {}", limits.share, rate(trade.rate));
     let best = trade.asked().min_by(|a, b| a.errors.worst().total_cmp(&b.errors.worst()));
     if let Some(best) = best {
-        text += &format!(": the most accurate, {}, errs by {:.1} %", best.setting.name(), 100.0 * best.errors.worst());
-        text += &best.share().map_or(String::new(), |share| format!(" and takes {:.1} % of the period", 100.0 * share));
+        text += &format!(": the most accurate, {}, errs by {}", best.setting.name(), percent(best.errors.worst()));
+        text += &best.share().map_or(String::new(), |share| format!(" and takes {} of the period", percent(share)));
     }
     text + "; allow more with --error or --share, or lower --rate."
 }

@@ -55,12 +55,10 @@ const INSTRUMENTED: [&str; 9] = [
 /// When a target finds something, or cannot be built.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let names = chosen(&args.targets)?;
+    let one = args.input.as_ref().map(|input| one(&names, input)).transpose()?;
     let folders = Folders::new()?;
     folders.build(&names)?;
-    if let Some(input) = &args.input {
-        let [name] = names.as_slice() else { bail!("an input is for one target: name it") };
-        // targets run in a folder of their own
-        let input = std::path::absolute(input).context("the path of the input")?;
+    if let Some((name, input)) = one {
         std::fs::create_dir_all(&folders.work).with_context(|| format!("{} cannot be made", folders.work.display()))?;
         run::run(&mut folders.program(name, &input))?;
         return Ok(ExitCode::SUCCESS);
@@ -77,6 +75,16 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         names.iter().try_for_each(|name| keep::keep(&folders, name))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The one target that an input is for, and the input's path from anywhere: targets run in a folder of their own.
+fn one<'a>(names: &'a [String], input: &Path) -> Result<(&'a str, PathBuf)> {
+    let [name] = names else { bail!("--input is for one target: name one of {}", names.join(", ")) };
+    let shown = input.display();
+    if !input.is_file() {
+        bail!("--input: {shown} is no file; give one that the target {name} is to read");
+    }
+    Ok((name, std::path::absolute(input).with_context(|| format!("{shown} has no absolute path"))?))
 }
 
 /// The targets that are named, or all.
