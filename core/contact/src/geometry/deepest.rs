@@ -9,7 +9,7 @@ use glam::{Mat3, Vec3};
 use crate::frames::Pose;
 use crate::geometry::align::align;
 use crate::geometry::curvature;
-use crate::geometry::faces;
+use crate::geometry::faces::{self, Spine};
 use crate::geometry::field::{self, Field};
 use crate::geometry::gap::{self, Gap, gap};
 use crate::geometry::support::{closest, farthest_sample, reach, support};
@@ -51,8 +51,8 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
         (ObjectShape::Box { size }, _) => {
             let found = descend(object, part, x_wa);
-            let under =
-                faces::under_edge(0.5 * size, gap::centre(object), &found, reach(&part.shape), turned_support(part, x_wa));
+            let (centre, reach) = (gap::centre(object), reach(&part.shape));
+            let under = faces::under_edge(0.5 * size, centre, &found, reach, spine(part, x_wa), turned_support(part, x_wa));
             deeper(object, found, under)
         }
         (ObjectShape::Cylinder { radius, height }, _) => {
@@ -119,6 +119,13 @@ fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<Vec3>) -> Deep
 
 fn is_as_deep(other: &Deepest, found: &Deepest) -> bool {
     other.gap.distance <= found.gap.distance + faces::SETTLED * found.gap.distance.abs()
+}
+
+/// The spine of a part that has one, in world.
+fn spine(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Option<Spine> {
+    let ProbeShape::Capsule { radius, height } = part.shape else { return None };
+    let way = x_wa.rotation * (Vec3::Z * height);
+    Some(Spine { start: x_wa.position - way * 0.5, way, radius })
 }
 
 /// The support in world for a search that asks for it many times.

@@ -24,6 +24,12 @@ const CORNER_SECANTS: usize = 4;
 /// Steps of Broyden's method over three faces: on smooth parts six to ten level the moments, on flats none do.
 const BROYDEN_STEPS: usize = 14;
 
+/// Trials of the place along a spine, at most.
+const SPINE_STEPS: usize = 16;
+
+/// Difference of two such places that are as good as one.
+const SPINE_SETTLED: f32 = 1.0e-6;
+
 /// Share of itself that a root may lose in a step.
 const MOST_FALL: f32 = 0.5;
 
@@ -60,6 +66,8 @@ struct Search<F> {
     sign: Vec3,
     /// Descent found no overlap.
     missed: bool,
+    /// About how round the part is \[m\].
+    round: f32,
     support: F,
 }
 
@@ -82,10 +90,19 @@ impl Trial {
         Vec2::new(moments.x - moments.z, moments.y - moments.z)
     }
 
-    /// How the leads grow with the first two roots, where the point stays.
-    fn slopes(&self) -> Mat2 {
-        let s = self.slack;
-        Mat2::from_cols(Vec2::new(s.x + s.z, s.z), Vec2::new(s.z, s.y + s.z))
+    /// How the leads grow with the first two roots, on a part that is a ball of radius `round` about the point, or a corner.
+    fn slopes(&self, round: f32) -> Mat2 {
+        let (roots, squares) = (self.roots, self.roots * self.roots);
+        let fourth = squares * squares;
+        let weights = fourth * roots;
+        let length = root(weights.length_squared());
+        let out = weights / length;
+        // the point turns about the ball's centre as the weights do
+        let turn = fourth * (5.0 * round / length);
+        let moved = |i: Vec3| i * (self.slack + roots * turn) - roots * out * (out * turn).dot(i);
+        let (x, y, z) = (moved(Vec3::X), moved(Vec3::Y), moved(Vec3::Z));
+        let (x, y) = (x - z, y - z);
+        Mat2::from_cols(Vec2::new(x.x - x.z, x.y - x.z), Vec2::new(y.x - y.z, y.y - y.z))
     }
 
     /// A step of the first two roots, cut so that each root keeps at least a share of itself.
@@ -96,17 +113,44 @@ impl Trial {
     }
 }
 
+/// The segment along the middle of a part that is as thick everywhere: a capsule. In world, about the box's centre where a search has it.
+#[derive(Clone, Copy, Debug)]
+pub struct Spine {
+    /// Its start \[m\].
+    pub start: Vec3,
+    /// The way to its end \[m\].
+    pub way: Vec3,
+    /// Radius of the part about it \[m\].
+    pub radius: f32,
+}
+
 /// The deepest point, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
-/// `reach` is the radius of the ball that holds the part \[m\]. `None` where the one given is right: away from edges, with a bound on its depth that proves it.
-pub fn under_edge(half: Vec3, centre: Vec3, at: &Deepest, reach: f32, support: impl Fn(Vec3) -> Vec3) -> Option<Vec3> {
+/// `reach` is the radius of the ball that holds the part \[m\], `spine` what it has of one. `None` where the one given is right: away from edges, with a bound on its depth that proves it.
+pub fn under_edge(
+    half: Vec3,
+    centre: Vec3,
+    at: &Deepest,
+    reach: f32,
+    spine: Option<Spine>,
+    support: impl Fn(Vec3) -> Vec3,
+) -> Option<Vec3> {
     let place = at.point - centre;
     let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
     let (slack, depth) = (half - sign * place, -at.gap.distance);
-    let search = Search { half, sign, missed: depth <= 0.0, support: |d: Vec3| support(d) - centre };
+    let search = Search {
+        half,
+        sign,
+        missed: depth <= 0.0,
+        round: spine.map_or(0.0, |spine| spine.radius),
+        support: |d: Vec3| support(d) - centre,
+    };
     if search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
         return None;
     }
-    let found = search.over_two(slack, depth).or_else(|| search.evened(slack)).unwrap_or_else(|| search.over(slack));
+    let spine = spine.map(|spine| Spine { start: spine.start - centre, ..spine });
+    let along = || spine.filter(|_| depth > 0.0).and_then(|spine| search.along(&spine, place));
+    let found = search.over_two(slack, depth).or_else(along).or_else(|| search.evened(slack));
+    let found = found.unwrap_or_else(|| search.over(slack));
     Some(found.point + centre)
 }
 
@@ -151,7 +195,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         let inverse = slack.map(|s| 1.0 / max(s, least));
         let mut last = self.trial(inverse / inverse.element_sum());
         let mut lead = last.leads();
-        let mut slopes = last.slopes();
+        let mut slopes = last.slopes(self.round);
         for _ in 0..BROYDEN_STEPS {
             if self.is_apart(&last) || self.is_level(&last) {
                 return Some(last);
@@ -168,6 +212,48 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
             }
         }
         None
+    }
+
+    /// Over all on a part with a spine, from a point inside both: the deepest of the balls along it, where the depth changes no more or an end is met; `None` where
+    /// balls do not settle.
+    fn along(&self, spine: &Spine, place: Vec3) -> Option<Trial> {
+        let lead = |trial: &Trial| fifth(trial.roots).dot(self.sign * spine.way);
+        let mut near = clamp((place - spine.start).dot(spine.way) / spine.way.length_squared(), 0.0, 1.0);
+        let mut last = self.ball(spine, near, self.half - self.sign * place)?;
+        // the depth is concave along the spine and grows towards this end
+        let mut far = if lead(&last) > 0.0 { 0.0 } else { 1.0 };
+        if near == far {
+            return Some(last);
+        }
+        let mut share = spanning(near, far, lead(&last), last);
+        if let Some(end) = self.ball(spine, far, last.slack) {
+            if (lead(&end) > 0.0) == (lead(&last) > 0.0) {
+                return Some(end);
+            }
+            share.take(far, lead(&end), end);
+        }
+        for _ in 0..SPINE_STEPS {
+            let at = share.next(share.middle());
+            let Some(trial) = self.ball(spine, at, last.slack) else {
+                // a ball beside the box: the deepest lies on this side of it
+                far = at;
+                share = spanning(near, far, lead(&last), last);
+                continue;
+            };
+            if (at - near).abs() <= SPINE_SETTLED {
+                return Some(trial);
+            }
+            (near, last) = (at, trial);
+            share.take(at, lead(&trial), trial);
+        }
+        None
+    }
+
+    /// The deepest point of the ball at this place of a spine, from a guess of its slacks.
+    fn ball(&self, spine: &Spine, at: f32, slack: Vec3) -> Option<Trial> {
+        let centre = spine.start + spine.way * at;
+        let support = |d: Vec3| centre + direction(d, Vec3::Z) * spine.radius;
+        Search { half: self.half, sign: self.sign, missed: false, round: spine.radius, support }.evened(slack)
     }
 
     /// True where a trial proves that part and box keep apart: its weights bound the depth from above.
@@ -192,7 +278,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
             let trial = split(at);
             let (one, two) = terms(&trial);
             up.take(at, one - two, trial);
-            if is_even(one, two, self.half.max_element()) {
+            if self.is_apart(&trial) || is_even(one, two, self.half.max_element()) {
                 return trial;
             }
         }
@@ -212,7 +298,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         for step in 0..EDGE_STEPS {
             let (one, two) = terms(&last);
             share.take(at, one - two, last);
-            if is_even(one, two, self.half.max_element()) {
+            if self.is_apart(&last) || is_even(one, two, self.half.max_element()) {
                 return last;
             }
             let tie = if is_tied(step) { share.tie(|at| self.more(&share, roots(at))) } else { None };
@@ -266,6 +352,13 @@ fn is_even(one: f32, two: f32, size: f32) -> bool {
 /// True for a trial after which the tie of the two ends is tried, which ends a search on flats; the others are secants.
 fn is_tied(step: usize) -> bool {
     step >= FIRST_TIE && step % 2 == 1
+}
+
+/// The bracket between two places, of which the near one has been seen.
+fn spanning(near: f32, far: f32, lead: f32, seen: Trial) -> Share<Trial> {
+    let mut share = Share::new(min(near, far), max(near, far));
+    share.take(near, lead, seen);
+    share
 }
 
 /// The first of two shares whose moments are even for these slacks.
