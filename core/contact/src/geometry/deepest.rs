@@ -12,6 +12,7 @@ use crate::geometry::curvature;
 use crate::geometry::faces::{self, Spine};
 use crate::geometry::field::{self, Field};
 use crate::geometry::gap::{self, Gap, gap};
+use crate::geometry::rim;
 use crate::geometry::support::{closest, farthest_sample, reach, support};
 use crate::math::{direction, perpendicular, root};
 use crate::mesh_shape::MeshShape;
@@ -57,7 +58,7 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         }
         (ObjectShape::Cylinder { radius, height }, _) => {
             let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
-            let under = faces::under_rim(radius, height, &found, reach(&part.shape), turned_support(part, x_wa));
+            let under = rim::under_rim(radius, height, &found, reach(&part.shape), turned_support(part, x_wa));
             under.filter(|under| is_as_deep(&at(object, under.point), &found)).unwrap_or(found)
         }
         (ObjectShape::Ellipsoid { .. } | ObjectShape::Mesh(_), _) => roll_down(object, part, x_wa, descend(object, part, x_wa)),

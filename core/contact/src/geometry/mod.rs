@@ -10,6 +10,7 @@ pub mod faces;
 pub mod field;
 pub mod gap;
 pub mod outline;
+pub mod rim;
 pub mod share;
 pub mod slice;
 pub mod support;
