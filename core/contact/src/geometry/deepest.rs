@@ -111,10 +111,10 @@ fn at(object: &ObjectShape<'_>, point: Vec3) -> Deepest {
     Deepest { point, gap: gap(object, point) }
 }
 
-/// What a search over the faces found, unless descent is clearly deeper: of two that are as deep the search's normal is the surer.
-fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<Vec3>) -> Deepest {
-    let Some(point) = under else { return found };
-    let other = at(object, point);
+/// What a search over the faces found, point and normal, unless descent is clearly deeper: of two that are as deep the search's normal is the surer.
+fn deeper(object: &ObjectShape<'_>, found: Deepest, under: Option<(Vec3, Vec3)>) -> Deepest {
+    let Some((point, normal)) = under else { return found };
+    let other = Deepest { point, gap: Gap { distance: gap(object, point).distance, normal } };
     if is_as_deep(&other, &found) { other } else { found }
 }
 
@@ -243,5 +243,22 @@ mod tests {
         let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
         let found = depth(cube, plate, Vec3::Z * 0.1045, Quat::IDENTITY);
         assert!((found - 0.0005).abs() < 1.0e-6, "{found}");
+    }
+
+    /// A flat of 40 mm laid on an edge by micrometres has the flat's normal, wherever the edge is: not one that jitters by what the few digits of a slack leave of it.
+    #[test]
+    fn a_flat_on_an_edge_keeps_its_normal_however_shallow() {
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let part = ProbePart::at_origin(ProbeShape::Box { size: Vec3::splat(0.04) });
+        for i in 0..400 {
+            let f = i as f32;
+            let turn = Quat::from_rotation_y(0.3 + 0.002 * f);
+            let out = turn * Vec3::Z;
+            let depth = libm::powf(10.0, -6.0 + 3.0 * libm::fabsf(libm::sinf(f)));
+            let edge = Vec3::new(0.05, 0.01 * libm::sinf(1.7 * f), 0.1);
+            let along = turn * Vec3::X * (0.01 * libm::sinf(2.3 * f));
+            let found = deepest(&cube, &part, &part_pose(&part, &Pose::new(edge + along + out * (0.02 - depth), turn)));
+            assert!((found.gap.normal - out).length() < 2.0 * (depth / 0.01) + 1.0e-5, "{i} {depth}: {:?} {out}", found.gap);
+        }
     }
 }

@@ -124,7 +124,7 @@ pub struct Spine {
     pub radius: f32,
 }
 
-/// The deepest point, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
+/// The deepest point and the unit normal there, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
 /// `reach` is the radius of the ball that holds the part \[m\], `spine` what it has of one. `None` where the one given is right: away from edges, with a bound on its depth that proves it.
 pub fn under_edge(
     half: Vec3,
@@ -133,7 +133,7 @@ pub fn under_edge(
     reach: f32,
     spine: Option<Spine>,
     support: impl Fn(Vec3) -> Vec3,
-) -> Option<Vec3> {
+) -> Option<(Vec3, Vec3)> {
     let place = at.point - centre;
     let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
     let (slack, depth) = (half - sign * place, -at.gap.distance);
@@ -151,7 +151,7 @@ pub fn under_edge(
     let along = || spine.filter(|_| depth > 0.0).and_then(|spine| search.along(&spine, place));
     let found = search.over_two(slack, depth).or_else(along).or_else(|| search.evened(slack));
     let found = found.unwrap_or_else(|| search.over(slack));
-    Some(found.point + centre)
+    Some((found.point + centre, search.normal(&found)))
 }
 
 impl<F: Fn(Vec3) -> Vec3> Search<F> {
@@ -326,6 +326,17 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         let Some((before, after)) = share.ends() else { return last };
         let at = |point: Vec3| lead(&self.seen(last.roots, point));
         self.seen(last.roots, between(before.point, at(before.point), after.point, at(after.point)))
+    }
+
+    /// The normal that the weights of a trial say, less what the far faces have in the depth. Beside a shallow contact the slacks of its point have few digits, which the gap's normal there takes to the fifth
+    /// power; the weights are as sure as the directions that the search told apart, in which a flat lies on its edge.
+    fn normal(&self, trial: &Trial) -> Vec3 {
+        let squares = trial.roots * trial.roots;
+        let whole = (squares * squares).element_sum();
+        let near = fifth(trial.roots) / (whole * root(root(whole)));
+        let depth = near.dot(trial.slack);
+        let far = fifth(Vec3::splat(depth) / (2.0 * self.half - trial.slack));
+        direction((near - far) * self.sign, Vec3::Z)
     }
 
     fn trial(&self, roots: Vec3) -> Trial {
