@@ -33,6 +33,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         .arg(&folder)
         .status()
         .context("the program cannot be started")?;
+    if !status.success() {
+        // the program has said why
+        return Ok(ExitCode::FAILURE);
+    }
     println!("{} written", folder.join("EXTREMES.md").display());
-    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::SUCCESS)
 }
