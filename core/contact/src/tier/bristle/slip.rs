@@ -141,8 +141,8 @@ fn slipped(hold: &Hold, ring: &Ring, cell: &Bristle, trial: f32, scale: f32) -> 
     if before > 0.0 && cell.force.length_squared() < square(hold.mu_d * ring.load) { 0.0 } else { before }
 }
 
-/// A bristle that has left stick is marked by a slip above zero, however small the step was \[m\].
-const LEAST_SLIP: f32 = 1.0e-12;
+/// A bristle or a cell that has left stick is marked by a slip above zero, however small the step was: far below what the least contact slips over, and a normal number still \[m\].
+pub const LEAST_SLIP: f32 = 1.0e-30;
 
 /// Friction of a cell that slipped by `slipped`. Sharp: dynamic at once. Smooth: falls over a length on which the bristle would shed
 /// twice the difference, so that force over shift falls at half the stuck slope and nothing snaps.

@@ -11,6 +11,7 @@ use crate::math::{PI, clamp, max, min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::Bristle;
+use crate::tier::bristle::slip::LEAST_SLIP;
 use crate::tier::influence::cells::{Cells, reached};
 use crate::tier::influence::grid::{Grid, Layout};
 use crate::tier::influence::mirror::{IMAGES, ORDER, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
@@ -288,6 +289,3 @@ fn slip(hold: &Hold, site: &Site, image: usize, slides: bool, lack: Vec2, force:
 
 /// Square of the share of the cap above which a cell counts as sliding: rounding of the cut.
 const ON_CAP: f32 = 0.999_99;
-
-/// A cell that has left stick is marked by a slip above zero, however small the step was \[m\].
-const LEAST_SLIP: f32 = 1.0e-12;
