@@ -141,7 +141,8 @@ impl Place<'_> {
             }
             (_, Some(shape)) => {
                 let edges = edges.filter(|edges| edges.may_cut(&shape));
-                let standing = Standing { shape: &shape, d, edges: edges.as_ref(), curvature: bent.mean(), widest: area };
+                let below = max((support::support(&shape, d) - lowest).dot(d), 0.0);
+                let standing = Standing { shape: &shape, d, below, edges: edges.as_ref(), curvature: bent.mean(), widest: area };
                 let (growth, middle) = standing.growth(depth, used);
                 Form::Cut(growth, middle)
             }
@@ -281,7 +282,7 @@ mod tests {
 
     /// A part upright on an object of this mean curvature, pressed by `depth`.
     fn level(shape: ProbeShape<'static>, object_mean: f32, depth: f32) -> Footprint {
-        let standing = Standing { shape: &shape, d: -Vec3::Z, edges: None, curvature: object_mean, widest: f32::MAX };
+        let standing = Standing { shape: &shape, d: -Vec3::Z, below: 0.0, edges: None, curvature: object_mean, widest: f32::MAX };
         let (growth, middle) = standing.growth(depth, depth);
         let form = Form::Cut(growth, middle);
         Seat { form, at_edge: false, object_mean, widest: f32::MAX, deepest_meaningful: 1.0 }.footprint(E_STAR, depth)

@@ -120,6 +120,8 @@ pub struct Standing<'a> {
     pub shape: &'a ProbeShape<'static>,
     /// Direction into the object, in the part's frame.
     pub d: Vec3,
+    /// How far the part reaches below its deepest point along `d` \[m\]: nothing but for the rounding of a normal, which tilts a wide flat by more than its depth.
+    pub below: f32,
     /// Edges of the object near it.
     pub edges: Option<&'a Edges>,
     /// Mean curvature of the object, none where it is flat or hollow \[1/m\].
@@ -132,25 +134,28 @@ impl Standing<'_> {
     /// How the overlap grows up to `used` \[m\], the part of the `depth` \[m\] that has a meaning, and the centre of the patch in the part's frame.
     pub fn growth(&self, depth: f32, used: f32) -> (Growth, Vec3) {
         let top = self.slice(depth);
-        let left = self.left(&top, depth);
+        let fall = 0.5 * self.curvature / PI;
+        let left = self.left(&top, if fall > 0.0 { min(depth / fall, top.area) } else { top.area }, depth);
         let middle = top.centroid + left.moved + self.d * depth;
         let top = if used < depth { self.slice(used) } else { top };
-        let fall = 0.5 * self.curvature / PI;
-        let cuts = if fall > 0.0 { self.on_curved(used, fall, &top) } else { self.on_flat(used, &top) };
+        let cuts = if fall * top.area > FLAT_FALL * used { self.on_curved(used, fall, &top) } else { self.on_flat(used, &top) };
         (Growth::new(used, &cuts), middle)
     }
 
+    /// The slice `z` \[m\] above the deepest point.
     fn slice(&self, z: f32) -> Slice {
-        slice(self.shape, self.d, z)
+        slice(self.shape, self.d, self.below + z)
     }
 
-    /// What the object's edges leave of a slice.
-    fn left(&self, slice: &Slice, depth: f32) -> Left {
-        self.edges.map_or(Left::ALL, |edges| edges.left(self.shape, slice.centroid, depth))
+    /// What the object's edges leave of an overlap of this area in a slice.
+    fn left(&self, slice: &Slice, area: f32, depth: f32) -> Left {
+        self.edges.map_or(Left::ALL, |edges| edges.left(self.shape, slice, area, depth))
     }
 
     fn overlap(&self, area: f32, slice: &Slice, aspect: f32, depth: f32) -> Overlap {
-        Overlap::new(min(area * self.left(slice, depth).share, self.widest), aspect)
+        let share = self.left(slice, area, depth).share;
+        // a strip that is cut is as much shorter
+        Overlap::new(min(area * share, self.widest), 1.0 + (aspect - 1.0) * share)
     }
 
     /// On a flat face the overlap is the slice at the depth.
@@ -193,6 +198,9 @@ impl Standing<'_> {
         cuts
     }
 }
+
+/// An object that falls off by less than this share of the depth under the whole slice is flat.
+const FLAT_FALL: f32 = 1.0e-6;
 
 /// Secants for each place, at most: the curve hardly bends, and each place starts from the line of the one before. Where a flat fills it has a corner.
 const SECANTS: usize = 4;
@@ -249,6 +257,12 @@ fn long_factor(aspect: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::deepest::Deepest;
+    use crate::geometry::gap::Gap;
+    use crate::geometry::support::support;
+    use crate::math::{direction, perpendicular};
+    use crate::model::ObjectShape;
+    use glam::Quat;
 
     #[test]
     fn a_quartic_is_read_as_it_is() {
@@ -272,7 +286,7 @@ mod tests {
         let mut worst = 0.0;
         for (shape, tilt) in shapes.iter().flat_map(|shape| (0..157).map(move |i| (shape, i as f32 * 0.02))) {
             let d = Vec3::new(libm::sinf(tilt), 0.0, -libm::cosf(tilt));
-            let standing = Standing { shape, d, edges: None, curvature: 20.0, widest: f32::MAX };
+            let standing = Standing { shape, d, below: 0.0, edges: None, curvature: 20.0, widest: f32::MAX };
             let depth = 1.0e-3;
             let (growth, _) = standing.growth(depth, depth);
             let fall = 10.0 / PI;
@@ -290,5 +304,23 @@ mod tests {
             }
         }
         assert!(worst > 0.0);
+    }
+
+    /// A normal that leans by rounding lifts one side of a wide flat by more than the depth: the flat still rests on the small face under its middle.
+    #[test]
+    fn a_flat_that_leans_by_rounding_rests_where_it_is_deepest() {
+        let shape = ProbeShape::Box { size: Vec3::splat(0.012) };
+        let object = ObjectShape::Box { size: Vec3::splat(1.0e-3) };
+        let depth = 1.0e-6;
+        for lean in [0.0, 1.0e-4, 3.0e-4, 1.0e-3] {
+            let n = direction(Vec3::new(lean, 0.0, 1.0), Vec3::Z);
+            let at = Deepest { point: Vec3::Z * (1.0e-3 - depth), gap: Gap { distance: -depth, normal: n } };
+            let (lowest, frame) = (Vec3::Z * -0.006, [n, perpendicular(n), n.cross(perpendicular(n))]);
+            let edges = Edges::about(&object, &at, frame, Quat::IDENTITY, lowest, 0.02).unwrap();
+            let below = (support(&shape, -n) - lowest).dot(-n);
+            let standing = Standing { shape: &shape, d: -n, below, edges: Some(&edges), curvature: 0.0, widest: f32::MAX };
+            let (radius, _) = standing.growth(depth, depth).0.at(1.0);
+            assert!((PI * radius * radius * 1.0e6 - 1.0).abs() < 0.02, "{lean}: {radius}");
+        }
     }
 }

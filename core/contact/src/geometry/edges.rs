@@ -10,8 +10,9 @@ use glam::{Quat, Vec2, Vec3};
 use crate::geometry::deepest::Deepest;
 use crate::geometry::gap;
 use crate::geometry::outline::{DIRECTIONS, RAYS};
+use crate::geometry::slice::{Slice, corners_of_box};
 use crate::geometry::support::support;
-use crate::math::{direction, max, min, root};
+use crate::math::{clamp, direction, max, min, root};
 use crate::model::{ObjectShape, ProbeShape};
 
 /// Corners of a slice while it is cut: one per ray, and one more for each face and each tangent of a rim.
@@ -118,25 +119,77 @@ impl Edges {
         self.faces.iter().any(over) || self.side.is_some_and(|side| side.is_crossed(self.depth, reach))
     }
 
-    /// What is left of the slice of `shape` with this `centroid` at `depth` \[m\].
-    pub fn left(&self, shape: &ProbeShape<'_>, centroid: Vec3, depth: f32) -> Left {
+    /// What is left of the overlap that has `area` \[m^2\] of a slice of `shape`, all of it on a flat object, at `depth` \[m\].
+    pub fn left(&self, shape: &ProbeShape<'_>, slice: &Slice, area: f32, depth: f32) -> Left {
         let [_, e1, e2] = self.frame;
-        let from_lowest = centroid - self.lowest;
+        let lift = self.lift(depth);
+        let from_lowest = slice.centroid - self.lowest;
         let middle = Vec2::new(from_lowest.dot(e1), from_lowest.dot(e2));
+        let inner = self.inner(shape, slice.centroid, middle, lift);
+        let mut corners = match (shape, self.side) {
+            (ProbeShape::Box { size }, None) => {
+                corners_of_box(0.5 * *size, slice.centroid, [e1, e2]).iter().map(|&corner| corner + middle).collect()
+            }
+            _ => self.rays(shape, slice, inner - middle).map(|corner| corner + inner).into_iter().collect::<Corners>(),
+        };
+        // a curved object meets the middle of the slice only
+        let scale = root(min(area / slice.area, 1.0));
+        for corner in &mut corners {
+            *corner = inner + (*corner - inner) * scale;
+        }
+        let middle = inner + (middle - inner) * scale;
+        let cut = self.cut(&corners, inner, lift);
+        // what rays miss of a slice counts where nothing is cut, and not where little is left
+        let seen = min(cut.whole / (slice.area * scale * scale), 1.0);
+        let share = cut.share * (seen + (1.0 - seen) * cut.share);
+        let moved = cut.after - middle - (cut.before - middle) * cut.share;
+        if share < 1.0 { Left { share, moved: e1 * moved.x + e2 * moved.y } } else { Left::ALL }
+    }
+
+    /// How far the deepest point stands higher at a smaller depth \[m\].
+    fn lift(&self, depth: f32) -> f32 {
+        self.depth - depth
+    }
+
+    /// A point of the slice with this `centroid`, `middle` along the tangents, that lies over the object's cut where any does: the deepest point, drawn into the slice where it
+    /// is not, and from there towards the centroid, half the way out of the cut at most.
+    fn inner(&self, shape: &ProbeShape<'_>, centroid: Vec3, middle: Vec2, lift: f32) -> Vec2 {
+        let [_, e1, e2] = self.frame;
+        let [exit, _] = exits(shape, centroid, -(e1 * middle.x + e2 * middle.y));
+        let held = min(INSIDE * exit, 1.0);
+        let (start, way) = (middle * (1.0 - held), middle * held);
+        let out = |out: f32, face: &Face| {
+            let (speed, room) = (face.along.dot(way), face.slack - face.rise * lift - face.along.dot(start));
+            if speed > 0.0 { min(out, room / speed) } else { out }
+        };
+        let out = self.faces.iter().fold(2.0, out);
+        let out = self.side.map_or(out, |side| min(out, side.leaves(start, way, lift)));
+        start + way * clamp(0.5 * out, 0.0, 1.0)
+    }
+
+    /// Where rays from a point of the slice, `from` its centroid along the tangents, leave the part, from that point: spread as the slice is long.
+    fn rays(&self, shape: &ProbeShape<'_>, slice: &Slice, from: Vec2) -> [Vec2; RAYS] {
+        let [_, e1, e2] = self.frame;
+        let long = Vec2::new(slice.along.dot(e1), slice.along.dot(e2));
+        let (long, wide) = if slice.aspect > 1.0 { (long * slice.aspect, long.perp()) } else { (Vec2::X, Vec2::Y) };
+        let start = slice.centroid + e1 * from.x + e2 * from.y;
         let ends = HALF_ROUND.map(|ray| {
-            let [ahead, behind] = exits(shape, centroid, e1 * ray.x + e2 * ray.y);
-            [middle + ray * ahead, middle - ray * behind]
+            let ray = long * ray.x + wide * ray.y;
+            let [ahead, behind] = exits(shape, start, e1 * ray.x + e2 * ray.y);
+            [ray * ahead, ray * -behind]
         });
         let [[a, g], [b, h], [c, i], [d, j], [e, k], [f, l]] = ends;
-        let corners: [Vec2; RAYS] = [a, b, c, d, e, f, g, h, i, j, k, l];
-        let (share, moved) = self.kept(&corners, depth);
-        Left { share, moved: e1 * moved.x + e2 * moved.y }
+        [a, b, c, d, e, f, g, h, i, j, k, l]
     }
 
     /// Share of a polygon about the deepest point that lies over the object's cut at `depth`, and how far its centroid moves.
     pub fn kept(&self, corners: &[Vec2], depth: f32) -> (f32, Vec2) {
-        // at a smaller depth the deepest point stands higher
-        let lift = self.depth - depth;
+        let cut = self.cut(corners, Vec2::ZERO, self.lift(depth));
+        (cut.share, cut.after - cut.before)
+    }
+
+    /// Cuts a polygon by the object's faces and, seen from the point `inner`, by tangents of its round side.
+    fn cut(&self, corners: &[Vec2], inner: Vec2, lift: f32) -> Cut {
         let reach2 = corners.iter().fold(0.0, |reach2, corner| max(reach2, corner.length_squared()));
         let mut polygon = Polygon::of(corners);
         for face in self.faces {
@@ -147,32 +200,66 @@ impl Edges {
         }
         if let Some(side) = self.side.filter(|side| side.is_left_by(corners, lift)) {
             for &corner in corners {
-                let (normal, limit) = side.tangent(corner, lift);
-                polygon.clip(normal, limit);
+                if let Some((normal, limit)) = side.tangent(inner, corner, lift) {
+                    polygon.clip(normal, limit);
+                }
             }
         }
+        let (whole, before) = area_and_centroid(corners);
         if !polygon.is_cut {
-            return (1.0, Vec2::ZERO);
+            return Cut { whole, share: 1.0, before, after: before };
         }
-        let ((whole, old), (left, new)) = (area_and_centroid(corners), area_and_centroid(&polygon.corners));
-        if whole > 0.0 && left > 0.0 { (min(left / whole, 1.0), new - old) } else { (0.0, Vec2::ZERO) }
+        let (left, after) = area_and_centroid(&polygon.corners);
+        if whole > 0.0 && left > 0.0 {
+            Cut { whole, share: min(left / whole, 1.0), before, after }
+        } else {
+            Cut { whole, share: 0.0, before, after: before }
+        }
     }
 }
 
+/// What is left of a polygon.
+struct Cut {
+    /// Area before \[m^2\].
+    whole: f32,
+    /// Share that is left.
+    share: f32,
+    /// Centroids before and after \[m\].
+    before: Vec2,
+    after: Vec2,
+}
+
+/// How near its outline a slice is entered, as a share of the way from its centroid.
+const INSIDE: f32 = 0.999;
+
 impl Side {
-    /// The tangent of the round side nearest to a corner, as a half plane along the tangents.
-    fn tangent(&self, corner: Vec2, lift: f32) -> (Vec2, f32) {
+    /// A place along the tangents, across the axis.
+    fn across(&self, at: Vec2, lift: f32) -> Vec3 {
         let [n, e1, e2] = self.across;
-        let start = self.off + n * lift;
-        let out = direction(start + e1 * corner.x + e2 * corner.y, Vec3::X);
-        (Vec2::new(out.dot(e1), out.dot(e2)), self.radius - out.dot(start))
+        self.off + n * lift + e1 * at.x + e2 * at.y
+    }
+
+    /// The share of the way `way` from `start` at which it leaves the round side.
+    fn leaves(&self, start: Vec2, way: Vec2, lift: f32) -> f32 {
+        let [_, e1, e2] = self.across;
+        let [out, _] = of_ball(self.across(start, lift), e1 * way.x + e2 * way.y, self.radius);
+        out
+    }
+
+    /// The tangent of the round side where the way from `inner` to a corner leaves it, as a half plane along the tangents; none for a corner inside.
+    fn tangent(&self, inner: Vec2, corner: Vec2, lift: f32) -> Option<(Vec2, f32)> {
+        let [_, e1, e2] = self.across;
+        if self.across(corner, lift).length_squared() <= self.radius * self.radius {
+            return None;
+        }
+        let share = self.leaves(inner, corner - inner, lift);
+        let out = direction(self.across(inner + (corner - inner) * min(share, 1.0), lift), Vec3::X);
+        Some((Vec2::new(out.dot(e1), out.dot(e2)), self.radius - out.dot(self.across(Vec2::ZERO, lift))))
     }
 
     /// True where a corner lies outside the round side.
     fn is_left_by(&self, corners: &[Vec2], lift: f32) -> bool {
-        let [n, e1, e2] = self.across;
-        let start = self.off + n * lift;
-        corners.iter().any(|corner| (start + e1 * corner.x + e2 * corner.y).length_squared() > self.radius * self.radius)
+        corners.iter().any(|&corner| self.across(corner, lift).length_squared() > self.radius * self.radius)
     }
 
     /// True where a part that reaches so far in the tangent plane may leave the round side at some depth up to `depth`: from a box about it.
@@ -241,7 +328,7 @@ const HALF_ROUND: [Vec2; RAYS / 2] = {
     [a, b, c, d, e, f]
 };
 
-/// How far rays along the unit vector `e` and against it run in the shape from the inner point `q` \[m\].
+/// How far rays along `e` and against it run in the shape from the inner point `q`, in lengths of `e`.
 fn exits(shape: &ProbeShape<'_>, q: Vec3, e: Vec3) -> [f32; 2] {
     match *shape {
         ProbeShape::Sphere { radius } => of_ball(q, e, radius),
@@ -293,15 +380,15 @@ fn of_tube(q: Vec3, e: Vec3, radius: f32) -> [f32; 2] {
     first_roots(-e.length_squared(), -2.0 * q.dot(e), radius * radius - q.length_squared())
 }
 
-/// Where rays leave a ball for good; 0 where they miss it.
+/// Where rays leave a ball for good, in lengths of `e`; 0 where they miss it.
 fn of_ball(q: Vec3, e: Vec3, radius: f32) -> [f32; 2] {
-    let (b, c) = (q.dot(e), q.length_squared() - radius * radius);
-    let rest = b * b - c;
+    let (a, b, c) = (e.length_squared(), q.dot(e), q.length_squared() - radius * radius);
+    let rest = b * b - a * c;
     if rest <= 0.0 {
         return [0.0; 2];
     }
     let far = root(rest);
-    [max(far - b, 0.0), max(far + b, 0.0)]
+    [max((far - b) / a, 0.0), max((far + b) / a, 0.0)]
 }
 
 /// First zeros at t >= 0 of a t^2 + b t + c and of a t^2 - b t + c, which are not negative at 0.

@@ -194,7 +194,7 @@ impl View {
 }
 
 /// Unit vector of the principal value `value` of the form (xx, xy; xy, yy).
-fn eigenvector(xx: f32, xy: f32, value: f32) -> Vec2 {
+pub fn eigenvector(xx: f32, xy: f32, value: f32) -> Vec2 {
     // of the two rows (xx - value, xy) and (xy, yy - value) at right angles to it, the first unless it vanishes
     let v = Vec2::new(xy, value - xx);
     let length = root(v.length_squared());

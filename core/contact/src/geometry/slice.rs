@@ -5,8 +5,9 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::geometry::outline::eigenvector;
 use crate::geometry::support::{reach, support};
-use crate::math::{GAUSS_4, PI, clamp, max, min, perpendicular, root};
+use crate::math::{GAUSS_4, PI, clamp, direction, max, min, perpendicular, root};
 use crate::model::ProbeShape;
 
 /// Area and centroid of a slice.
@@ -18,22 +19,30 @@ pub struct Slice {
     pub centroid: Vec3,
     /// Longer over shorter extent, 1 or more.
     pub aspect: f32,
+    /// Unit vector along the longer extent in the part's frame, none where the slice is round.
+    pub along: Vec3,
 }
 
 impl Slice {
-    fn new(area: f32, centroid: Vec3, (length, width): (f32, f32)) -> Self {
-        let (long, short) = (max(length, width), min(length, width));
+    /// From the extents along a unit vector and across it.
+    fn new(area: f32, centroid: Vec3, (length, width): (f32, f32), [along, across]: [Vec3; 2]) -> Self {
+        let (long, short, along) = if length >= width { (length, width, along) } else { (width, length, across) };
         let aspect = if short > 0.0 && long.is_finite() { min(long / short, LONGEST) } else { 1.0 };
-        Self { area, centroid, aspect }
+        Self { area, centroid, aspect, along }
     }
 
     fn round(area: f32, centroid: Vec3) -> Self {
-        Self { area, centroid, aspect: 1.0 }
+        Self { area, centroid, aspect: 1.0, along: Vec3::ZERO }
     }
 }
 
 /// Longest footprint told from a longer one: the stiffness of a strip grows with the logarithm only.
 const LONGEST: f32 = 1.0e4;
+
+/// Corners of the slice of a box of half edges `half` through its point `centre` \[m\], from that point along the tangents `e1` and `e2`.
+pub fn corners_of_box(half: Vec3, centre: Vec3, tangents: [Vec3; 2]) -> heapless::Vec<Vec2, MAX_CORNERS> {
+    Polygon::in_box(half, centre, tangents).corners
+}
 
 /// Slice of `shape` at height `z` > 0 \[m\] above its deepest point along `d`.
 pub fn slice(shape: &ProbeShape<'_>, d: Vec3, z: f32) -> Slice {
@@ -103,8 +112,9 @@ fn of_cone(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let area = PI * z * z * sin_half * sin_half * cos_half / (spread * root(spread));
     let horizontal = if sin_tilt > 0.0 { (Vec3::Z - d * d.z) / sin_tilt } else { Vec3::ZERO };
     let centre = z * sin_tilt * cos_tilt / spread;
+    let middle = Vec3::Z * (-0.75 * height) - d * z + horizontal * centre;
     // semi-axes z sin(half) cos(half) / spread and z sin(half) / sqrt(spread)
-    Slice::new(area, Vec3::Z * (-0.75 * height) - d * z + horizontal * centre, (cos_half / spread, 1.0 / root(spread)))
+    Slice::new(area, middle, (cos_half / spread, 1.0 / root(spread)), [horizontal, d.cross(horizontal)])
 }
 
 /// Six-point Gauss rule over the angle that takes up the square-root ends of a chord: place on -1..1 (sine of the angle) and weight (with the
@@ -150,7 +160,9 @@ impl Trunk {
             return Slice::round(0.0, lowest - d * z);
         }
         let centroid = self.start + Vec3::Z * (along / area) + across * (up / area);
-        Slice::new(area, centroid, ((high - low) / sine, widest))
+        // the plane climbs along the axis; a chord lies level
+        let chord = across.cross(Vec3::Z);
+        Slice::new(area, centroid, ((high - low) / sine, widest), [chord.cross(d), chord])
     }
 
     /// Where on 0..=height the plane meets the circles: |level - rise t| <= sine (tip_radius + growth t).
@@ -199,11 +211,12 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let lead = min((stadium - cap) / (0.5 * cap), 1.0);
     let along = lead * (moment + 0.5 * PI * far * far * length) / stadium;
     let centroid = end + tilt.axis * along + d * (along * tilt.cos + radius - z);
-    Slice::new(stadium, centroid, (disc(0.0) + length * tilt.sin + far, 2.0 * disc(0.0)))
+    let level = direction(tilt.axis - d * tilt.axis.dot(d), Vec3::X);
+    Slice::new(stadium, centroid, (disc(0.0) + length * tilt.sin + far, 2.0 * disc(0.0)), [level, d.cross(level)])
 }
 
 /// Corners a slice of a box may have while it is clipped: a square and one more for each of six cuts.
-const MAX_CORNERS: usize = 10;
+pub const MAX_CORNERS: usize = 10;
 
 /// Area over squared extent below which a polygon is a sliver to f32.
 const SLIVER: f32 = 1.0e-6;
@@ -220,6 +233,17 @@ impl Polygon {
             let _ = corners.push(Vec2::new(x, y));
         }
         Self { corners }
+    }
+
+    /// What the plane of two unit tangents through `centre` leaves of a box.
+    fn in_box(half: Vec3, centre: Vec3, [e1, e2]: [Vec3; 2]) -> Self {
+        let mut polygon = Self::square(2.0 * root(half.length_squared()));
+        for (axis, h) in [(Vec3::X, half.x), (Vec3::Y, half.y), (Vec3::Z, half.z)] {
+            let n = Vec2::new(axis.dot(e1), axis.dot(e2));
+            let offset = axis.dot(centre);
+            polygon = polygon.clip(n, h - offset).clip(-n, h + offset);
+        }
+        polygon
     }
 
     /// Keeps the part where n . x <= limit (Sutherland and Hodgman).
@@ -257,9 +281,9 @@ impl Polygon {
         }
     }
 
-    /// Square roots of the principal second moments about `centre`: their ratio is that of the sides of a rectangle. In multiples of `unit` \[m\], so that the moments'
-    /// squares, eighth powers of a length, neither vanish nor overflow.
-    fn extents(&self, centre: Vec2, unit: f32) -> (f32, f32) {
+    /// Square roots of the principal second moments about `centre`, whose ratio is that of the sides of a rectangle, and the unit vector of the larger. In multiples of
+    /// `unit` \[m\], so that the moments' squares, eighth powers of a length, neither vanish nor overflow.
+    fn extents(&self, centre: Vec2, unit: f32) -> ((f32, f32), Vec2) {
         let scale = 1.0 / unit;
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for (i, &here) in self.corners.iter().enumerate() {
@@ -271,7 +295,7 @@ impl Polygon {
         }
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let spread = root(half * half + xy * xy);
-        (root(mean + spread), root(mean - spread))
+        ((root(mean + spread), root(mean - spread)), eigenvector(xx, xy, mean + spread))
     }
 }
 
@@ -282,15 +306,12 @@ fn of_box(half: Vec3, d: Vec3, z: f32) -> Slice {
     let e1 = perpendicular(d);
     let e2 = d.cross(e1);
     let centre = d * height;
-    let mut polygon = Polygon::square(2.0 * root(half.length_squared()));
-    for (axis, h) in [(Vec3::X, half.x), (Vec3::Y, half.y), (Vec3::Z, half.z)] {
-        let n = Vec2::new(axis.dot(e1), axis.dot(e2));
-        let offset = axis.dot(centre);
-        polygon = polygon.clip(n, h - offset).clip(-n, h + offset);
-    }
+    let polygon = Polygon::in_box(half, centre, [e1, e2]);
     let (area, at) = polygon.area_and_centroid();
     if area > 0.0 {
-        Slice::new(area, centre + e1 * at.x + e2 * at.y, polygon.extents(at, root(area)))
+        let (extents, long) = polygon.extents(at, root(area));
+        let along = e1 * long.x + e2 * long.y;
+        Slice::new(area, centre + e1 * at.x + e2 * at.y, extents, [along, d.cross(along)])
     } else {
         Slice::round(area, foot)
     }
