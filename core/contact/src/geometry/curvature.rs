@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use crate::geometry::distance_grid::DistanceGrid;
-use crate::geometry::gap;
 use crate::math::{max, root};
 use crate::model::ObjectShape;
 
@@ -76,11 +75,7 @@ pub fn of_object(object: &ObjectShape<'_>, p_wq: Vec3, n: Vec3, e1: Vec3, e2: Ve
         ObjectShape::HalfSpace | ObjectShape::Box { .. } => Curvature::default(),
         ObjectShape::Sphere { radius } => Curvature::isotropic(1.0 / radius),
         ObjectShape::Ellipsoid { semi_axes } => of_ellipsoid(semi_axes, n, e1, e2),
-        ObjectShape::Cylinder { radius, .. } => {
-            let axial = max(p_wq.z - gap::centre(object).z, 0.0);
-            let on_side = n.z.abs() < 0.5 || axial == 0.0;
-            if on_side { of_cylinder_side(radius, n, e1, e2) } else { Curvature::default() }
-        }
+        ObjectShape::Cylinder { radius, .. } => of_cylinder(radius, n, e1, e2),
         ObjectShape::Mesh(mesh) => of_mesh(mesh.grid(), p_wq, n, e1, e2),
     }
 }
@@ -100,11 +95,21 @@ fn of_mesh(grid: &DistanceGrid<'_>, q: Vec3, n: Vec3, e1: Vec3, e2: Vec3) -> Cur
     Curvature { k11: along.dot(e1), k12: 0.5 * (along.dot(e2) + across.dot(e1)), k22: across.dot(e2) }.convex()
 }
 
-fn of_cylinder_side(radius: f32, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
+/// Curvature of an upright cylinder where its outward normal is `n`: that of the hoop (Meusnier), all of it on the side, none on an end, and between the two at the rim.
+fn of_cylinder(radius: f32, n: Vec3, e1: Vec3, e2: Vec3) -> Curvature {
     let hoop = Vec3::new(-n.y, n.x, 0.0);
+    let level = root(hoop.length_squared());
+    if level <= END {
+        return Curvature::default();
+    }
+    // the form takes the hoop's length twice, the curvature goes with its length once
+    let k = (level - END) / (level * level * radius);
     let (c1, c2) = (hoop.dot(e1), hoop.dot(e2));
-    Curvature { k11: c1 * c1 / radius, k12: c1 * c2 / radius, k22: c2 * c2 / radius }
+    Curvature { k11: k * c1 * c1, k12: k * c1 * c2, k22: k * c2 * c2 }
 }
+
+/// Sine of a normal's angle with the axis below which it is an end's.
+const END: f32 = 1.0e-3;
 
 #[cfg(test)]
 mod tests {
@@ -136,5 +141,26 @@ mod tests {
         let turned = of_ellipsoid(a, n, e1 * 0.6 + e2 * 0.8, e2 * 0.6 - e1 * 0.8).principal();
         let straight = of_ellipsoid(a, n, e1, e2).principal();
         assert!((turned.0 - straight.0).abs() < 1.0e-3 && (turned.1 - straight.1).abs() < 1.0e-3);
+    }
+
+    /// Both ends are flat, whatever the rounding of their normals; from the side to an end the curvature falls without a step.
+    #[test]
+    fn a_cylinder_is_curved_about_its_side_only() {
+        let can = ObjectShape::Cylinder { radius: 0.02, height: 0.03 };
+        let steepest = |n: Vec3, z: f32| {
+            let e1 = crate::math::perpendicular(n);
+            of_object(&can, Vec3::new(0.015, 0.0, z), n, e1, n.cross(e1)).principal().0
+        };
+        for lean in [0.0, 1.0e-23, 1.0e-7] {
+            assert_eq!(steepest(Vec3::new(lean, lean, -1.0), 0.0), 0.0, "{lean}");
+            assert_eq!(steepest(Vec3::new(lean, lean, 1.0), 0.03), 0.0, "{lean}");
+        }
+        let mut last = 1.0 / 0.02;
+        for i in 0..=1570 {
+            let (sin, cos) = (libm::sinf(i as f32 * 1.0e-3), libm::cosf(i as f32 * 1.0e-3));
+            let k = steepest(Vec3::new(cos, 0.0, sin), 0.03);
+            assert!((k - last).abs() < 0.1, "{i}: {last} {k}");
+            last = k;
+        }
     }
 }
