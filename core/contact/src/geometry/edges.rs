@@ -137,7 +137,6 @@ impl Edges {
         for corner in &mut corners {
             *corner = inner + (*corner - inner) * scale;
         }
-        let middle = inner + (middle - inner) * scale;
         let cut = self.cut(&corners, inner, lift);
         // what rays miss of a slice counts where nothing is cut, and not where little is left
         let seen = min(cut.whole / (slice.area * scale * scale), 1.0);
