@@ -35,6 +35,7 @@ mod mesh_scenes;
 mod meshes;
 mod no_alloc;
 mod no_alloc_host;
+mod pressing;
 mod profiles;
 mod rates;
 mod recordings;
