@@ -175,11 +175,15 @@ impl Standing<'_> {
         let mut last = (1.0, unit * root(top.area));
         let mut line = Line::through((0.0, 0.0), last);
         let mut cuts = [Overlap::default(); CUTS.len()];
+        let (mut slice, mut wider) = (*top, *top);
         for (cut, s) in cuts.iter_mut().rev().zip(CUTS.into_iter().rev()) {
-            let mut slice = *top;
             for _ in 0..SECANTS {
                 let x = clamp(line.meets(s), LOWEST * s, s);
-                slice = self.slice(depth * x * x);
+                let cut = self.slice(depth * x * x);
+                if cut.area < slice.area {
+                    wider = slice;
+                }
+                slice = cut;
                 let next = (x, unit * root(slice.area));
                 let off = (next.1 - line.at(x)).abs();
                 line = Line::through(last, next);
@@ -191,9 +195,12 @@ impl Standing<'_> {
             let x = clamp(line.meets(s), 0.0, s);
             // where the slice widens fast the height is the surer figure, where the object is nearly flat the slice is
             let y = if 2.0 * x < s { root(s * s - x * x) } else { clamp(line.at(x), 0.0, s) };
+            let area = depth * y * y / fall;
+            // at a corner of the curve the last slice may be far too small; the one before it has the shape when it is drawn in
+            let near = if slice.area < CORNERED * area && wider.area > slice.area { &wider } else { &slice };
             // the part of the depth that the object's own fall makes is round
-            let aspect = 1.0 + (slice.aspect - 1.0) * (x / s) * (x / s);
-            *cut = self.overlap(depth * y * y / fall, &slice, aspect, depth * s * s);
+            let aspect = 1.0 + (near.aspect - 1.0) * (x / s) * (x / s);
+            *cut = self.overlap(area, near, aspect, depth * s * s);
         }
         cuts
     }
@@ -204,6 +211,9 @@ const FLAT_FALL: f32 = 1.0e-6;
 
 /// Secants for each place, at most: the curve hardly bends, and each place starts from the line of the one before. Where a flat fills it has a corner.
 const SECANTS: usize = 4;
+
+/// Share of the overlap's area below which a slice is not its shape.
+const CORNERED: f32 = 0.5;
 
 /// A curve that is off its secant by less than this share of the root meets the next secant closer by a hundredth of it.
 const MET: f32 = 3.0e-3;

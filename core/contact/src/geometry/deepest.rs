@@ -261,4 +261,22 @@ mod tests {
             assert!((found.gap.normal - out).length() < 2.0 * (depth / 0.01) + 1.0e-5, "{i} {depth}: {:?} {out}", found.gap);
         }
     }
+
+    /// Round parts have one normal, whether the search says it or the gap where it ended.
+    #[test]
+    fn a_search_under_an_edge_ends_on_the_normal_of_its_point() {
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let part = ProbePart::at_origin(ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) });
+        for (tilt, turn) in [(0.0, 0.4), (0.3, 0.0), (1.2, 0.0)] {
+            let rotation = Quat::from_rotation_y(tilt) * Quat::from_rotation_z(turn);
+            let lowest = (rotation * support(&part.shape, rotation.conjugate() * -Vec3::Z)).z;
+            for i in 0..700 {
+                let position = Vec3::new(0.04 + 0.05e-3 * i as f32, 0.003, 0.099 - lowest);
+                let found = deepest(&cube, &part, &part_pose(&part, &Pose::new(position, rotation)));
+                let (said, there) = (found.gap.normal, gap(&cube, found.point).normal);
+                let is_shallow = found.gap.distance > -1.0e-5;
+                assert!(is_shallow || (said - there).length() < 4.0e-3, "tilt {tilt}, turn {turn}, {i}: {said} {there}");
+            }
+        }
+    }
 }

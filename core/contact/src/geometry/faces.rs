@@ -54,8 +54,14 @@ const ROUNDING: f32 = 2.0e-8;
 /// Trials before the first tie: on smooth parts secants alone are faster.
 const FIRST_TIE: usize = 3;
 
+/// Trials from a tie to the next, twice as many each time it shows a part that is round there.
+const TIE_EVERY: usize = 2;
+
 /// Relative difference of two moments that counts as none.
 const LEVEL: f32 = 1.0e-6;
+
+/// How far a flat may stand out over a chord of it, as a share of the chord: round parts stand out by more until the chord is a thousandth of their radius.
+const ROUND: f32 = 1.0e-4;
 
 /// Distance at which two support points are one, as a share of the object.
 const SAME: f32 = 2.0e-7;
@@ -295,26 +301,41 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         let mut share = Share::<Trial>::new(0.0, 1.0);
         let mut at = share.next(guess);
         let mut last = self.trial(roots(at));
+        let (mut tied, mut wait) = (FIRST_TIE, TIE_EVERY);
         for step in 0..EDGE_STEPS {
             let (one, two) = terms(&last);
             share.take(at, one - two, last);
             if self.is_apart(&last) || is_even(one, two, self.half.max_element()) {
                 return last;
             }
-            let tie = if is_tied(step) { share.tie(|at| self.more(&share, roots(at))) } else { None };
+            let tie = if step == tied { share.tie(|at| self.more(&share, roots(at))) } else { None };
             at = tie.unwrap_or_else(|| share.next(even(last.slack.dot(first), last.slack.dot(second))));
             last = self.trial(roots(at));
             let ended = |(before, after)| self.is_same(&before, &last) || self.is_same(&after, &last);
             if tie.is_some() && share.ends().is_some_and(ended) {
                 break;
             }
+            if step == tied {
+                wait = if self.is_flat(&share, &last) { TIE_EVERY } else { 2 * wait };
+                tied += wait;
+            }
         }
-        self.between(&share, last, lead)
+        if self.is_flat(&share, &last) { self.between(&share, last, lead) } else { evenest(&share, last, lead) }
     }
 
     /// How much farther the support point before the change of sign lies than the one after, against these roots.
     fn more(&self, share: &Share<Trial>, roots: Vec3) -> f32 {
         share.ends().map_or(0.0, |(before, after)| fifth(roots).dot(before.slack - after.slack))
+    }
+
+    /// True where the support point of a trial lies on the way between the ends of its bracket, as on a flat, and not out over it, as on a round part.
+    fn is_flat(&self, share: &Share<Trial>, trial: &Trial) -> bool {
+        share.ends().is_none_or(|(before, after)| {
+            let weights = direction(fifth(trial.roots), Vec3::Z);
+            let over = weights.dot(trial.slack) - max(weights.dot(before.slack), weights.dot(after.slack));
+            let way = root((after.slack - before.slack).length_squared());
+            over <= ROUND * way + SAME * self.half.max_element()
+        })
     }
 
     fn is_same(&self, one: &Trial, two: &Trial) -> bool {
@@ -360,9 +381,11 @@ fn is_even(one: f32, two: f32, size: f32) -> bool {
     (one - two).abs() <= LEVEL * max(one.abs(), two.abs()) + ROUNDING * size
 }
 
-/// True for a trial after which the tie of the two ends is tried, which ends a search on flats; the others are secants.
-fn is_tied(step: usize) -> bool {
-    step >= FIRST_TIE && step % 2 == 1
+/// Of the last trial and the ends of a bracket the one whose moments are the most even.
+fn evenest(share: &Share<Trial>, last: Trial, lead: impl Fn(&Trial) -> f32) -> Trial {
+    let Some((before, after)) = share.ends() else { return last };
+    let more_even = |one: Trial, other: Trial| if lead(&other).abs() < lead(&one).abs() { other } else { one };
+    more_even(more_even(last, before), after)
 }
 
 /// The bracket between two places, of which the near one has been seen.
