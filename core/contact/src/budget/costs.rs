@@ -38,16 +38,17 @@ pub const OBJECTS: usize = 8;
 pub const SHAPES: usize = 7;
 
 /// Finding, following and pressing one contact, the samples that a mesh is asked for apart. "SHAPE on OBJECT" less "no contact, one part", the first rows of box and cylinder from "SHAPE on wide OBJECT"; for a mesh
-/// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`].
+/// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`]. Under edges and
+/// corners of a box they lie up to 48 % above their rows, whose motion meets the dearest corners rarely.
 pub const PAIR: [[u32; SHAPES]; OBJECTS] = [
     [1_780, 15_300, 2_500, 4_450, 5_950, 4_050, 146_000],
-    [2_700, 17_200, 4_850, 9_000, 7_950, 6_150, 152_000],
-    [3_350, 32_000, 6_550, 9_800, 13_200, 8_350, 155_000],
-    [5_550, 38_500, 33_500, 17_700, 32_000, 17_900, 162_000],
-    [2_500, 17_300, 4_950, 6_500, 8_000, 6_200, 154_000],
+    [2_700, 17_600, 4_850, 9_000, 7_950, 6_150, 152_000],
+    [3_350, 32_800, 6_550, 9_800, 13_200, 8_350, 155_000],
+    [5_550, 39_400, 33_500, 17_700, 32_000, 17_900, 162_000],
+    [2_500, 17_650, 4_950, 6_500, 8_000, 6_200, 154_000],
     [26_600, 88_000, 66_000, 66_500, 70_000, 65_500, 173_000],
-    [2_800, 48_500, 79_000, 68_000, 69_000, 58_000, 160_000],
-    [3_550, 128_000, 92_500, 157_000, 151_000, 122_000, 260_000],
+    [2_800, 60_000, 40_000, 62_000, 69_000, 80_000, 160_000],
+    [6_500, 135_000, 95_000, 157_000, 151_000, 130_000, 260_000],
 ];
 
 /// One more sample that a mesh is asked for, by all that ask on an object. "mesh on OBJECT" less "mesh of 32 on OBJECT", by 224. Rows as [`object_row`].

@@ -126,16 +126,16 @@ impl Edges {
         let from_lowest = slice.centroid - self.lowest;
         let middle = Vec2::new(from_lowest.dot(e1), from_lowest.dot(e2));
         let inner = self.inner(shape, slice.centroid, middle, lift);
-        let mut corners = match (shape, self.side) {
+        let (from, mut corners) = match (shape, self.side) {
             (ProbeShape::Box { size }, None) => {
-                corners_of_box(0.5 * *size, slice.centroid, [e1, e2]).iter().map(|&corner| corner + middle).collect()
+                (middle, Polygon::of(&corners_of_box(0.5 * *size, slice.centroid, [e1, e2])).corners)
             }
-            _ => self.rays(shape, slice, inner - middle).map(|corner| corner + inner).into_iter().collect::<Corners>(),
+            _ => (inner, Polygon::of(&self.rays(shape, slice, inner - middle)).corners),
         };
         // a curved object meets the middle of the slice only
         let scale = root(min(area / slice.area, 1.0));
         for corner in &mut corners {
-            *corner = inner + (*corner - inner) * scale;
+            *corner = inner + (*corner + from - inner) * scale;
         }
         let cut = self.cut(&corners, inner, lift);
         // what rays miss of a slice counts where nothing is cut, and not where little is left
