@@ -50,12 +50,12 @@ fn tipped(object: ObjectShape<'static>, shape: ProbeShape<'static>, edge: Vec3, 
 
 /// Shape, and the bounds that are promised: newtons and newton metres per tick.
 const PROMISED: [(ProbeShape<'static>, f32, f32); 6] = [
-    (ProbeShape::Sphere { radius: 0.02 }, 0.7, 1.0e-4),
+    (ProbeShape::Sphere { radius: 0.02 }, 0.4, 1.0e-4),
     (ProbeShape::Capsule { radius: 0.01, height: 0.03 }, 0.3, 0.004),
-    (ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) }, 0.8, 0.004),
-    (ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 4.0, 0.03),
-    (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 4.0, 0.06),
-    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 9.0, 0.12),
+    (ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) }, 0.3, 0.003),
+    (ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 3.2, 0.025),
+    (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 0.6, 0.006),
+    (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 7.0, 0.07),
 ];
 
 #[test]
