@@ -54,7 +54,7 @@ const PROMISED: [(ProbeShape<'static>, f32, f32); 6] = [
     (ProbeShape::Capsule { radius: 0.01, height: 0.03 }, 0.3, 0.004),
     (ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.03, 0.02, 0.015) }, 0.3, 0.003),
     (ProbeShape::Cylinder { radius: 0.01, height: 0.04 }, 3.2, 0.025),
-    (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 0.6, 0.006),
+    (ProbeShape::Cone { radius: 0.02, height: 0.02 }, 1.0, 0.01),
     (ProbeShape::Box { size: Vec3::new(0.02, 0.03, 0.04) }, 7.0, 0.07),
 ];
 

@@ -121,6 +121,9 @@ impl Edges {
 
     /// What is left of the overlap that has `area` \[m^2\] of a slice of `shape`, all of it on a flat object, at `depth` \[m\].
     pub fn left(&self, shape: &ProbeShape<'_>, slice: &Slice, area: f32, depth: f32) -> Left {
+        if slice.area <= 0.0 {
+            return Left::ALL;
+        }
         let [_, e1, e2] = self.frame;
         let lift = self.lift(depth);
         let from_lowest = slice.centroid - self.lowest;
