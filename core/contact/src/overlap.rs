@@ -179,11 +179,11 @@ impl Standing<'_> {
         for (cut, s) in cuts.iter_mut().rev().zip(CUTS.into_iter().rev()) {
             for _ in 0..SECANTS {
                 let x = clamp(line.meets(s), LOWEST * s, s);
-                let cut = self.slice(depth * x * x);
-                if cut.area < slice.area {
+                let found = self.slice(depth * x * x);
+                if found.area < slice.area {
                     wider = slice;
                 }
-                slice = cut;
+                slice = found;
                 let next = (x, unit * root(slice.area));
                 let off = (next.1 - line.at(x)).abs();
                 line = Line::through(last, next);
