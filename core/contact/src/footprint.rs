@@ -110,9 +110,6 @@ impl Seat {
     }
 }
 
-/// Sine of the angle by which the rounding of a normal leans a flat, at most; a part that reaches deeper is not where it is deepest, as one that holds the middle of a ball.
-const LEAN: f32 = 1.0e-4;
-
 /// Where a part stands on the object.
 struct Place<'a> {
     object: &'a ObjectShape<'a>,
@@ -144,7 +141,9 @@ impl Place<'_> {
             }
             (_, Some(shape)) => {
                 let edges = edges.filter(|edges| edges.may_cut(&shape));
-                let below = clamp((support::support(&shape, d) - lowest).dot(d), 0.0, LEAN * support::reach(&shape));
+                // a part that lies deeper than where it touches, as one that holds the middle of a ball, is cut through its own middle at most
+                let below =
+                    clamp((support::support(&shape, d) - lowest).dot(d), 0.0, max(support::half_thickness(&shape) - depth, 0.0));
                 let standing = Standing { shape: &shape, d, below, edges: edges.as_ref(), curvature: bent.mean(), widest: area };
                 let (growth, middle) = standing.growth(depth, used);
                 Form::Cut(growth, middle)

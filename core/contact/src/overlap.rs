@@ -120,7 +120,7 @@ pub struct Standing<'a> {
     pub shape: &'a ProbeShape<'static>,
     /// Direction into the object, in the part's frame.
     pub d: Vec3,
-    /// How far the part reaches below its deepest point along `d` \[m\]: nothing but for the rounding of a normal, which tilts a wide flat by more than its depth.
+    /// How far the part reaches below its deepest point along `d` \[m\]: nothing but for the rounding of a normal, which tilts a wide flat by more than its depth, and where the deepest point was missed.
     pub below: f32,
     /// Edges of the object near it.
     pub edges: Option<&'a Edges>,
