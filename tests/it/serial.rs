@@ -16,6 +16,7 @@ use haptor_wire::{
     DeviceFault, FaultCause, FaultRecord, FromDevice, HostFault, Mode, PoseReport, Record, TickRecord, decode_stream,
     encode_stream, stream_bound,
 };
+use rustix::io::{Errno, ioctl_fionbio};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 use crate::cli::built;
@@ -110,13 +111,16 @@ fn expected(line: &[u8]) -> (Vec<FromDevice>, u32) {
     (said, rejected)
 }
 
-/// Writes in pieces of the dice's and reads what has come in between, until all of `line` is through and silence follows.
+/// Writes in pieces of the dice's, as far as the line has room, and reads what has come in between, until all of `line` is through and silence follows.
 fn through(device: &OwnedFd, messages: &mut Messages, line: &[u8], dice: &mut Dice) -> Vec<FromDevice> {
     let (mut said, mut sent) = (Vec::new(), 0);
     loop {
         if sent < line.len() {
             let end = line.len().min(sent + 1 + dice.below(300));
-            sent += rustix::io::write(device, &line[sent..end]).unwrap();
+            sent += match rustix::io::write(device, &line[sent..end]) {
+                Err(Errno::AGAIN) => 0,
+                written => written.unwrap(),
+            };
         }
         match messages.receive(Duration::ZERO).unwrap() {
             Received::Message(message) => said.push(message),
@@ -130,6 +134,8 @@ fn through(device: &OwnedFd, messages: &mut Messages, line: &[u8], dice: &mut Di
 fn after_any_damage_the_next_whole_frame_is_read_and_all_else_is_counted() {
     for seed in 0..20 {
         let (device, mut messages) = cable();
+        // one thread does both: a full line must not stop it before it has read
+        ioctl_fionbio(&device, true).unwrap();
         let mut dice = Dice(seed * 100_000);
         let line = stretch(&mut dice, 400);
         let (wanted, rejected) = expected(&line);
