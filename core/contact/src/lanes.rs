@@ -20,6 +20,13 @@ impl Lanes {
         Self([x; LANES])
     }
 
+    /// Their sum. A function of its own: inlined, the compiler turns the lanes about in every round of the loop that led to it.
+    #[inline(never)]
+    pub fn total(self) -> f32 {
+        let [a, b, c, d] = self.0;
+        (a + b) + (c + d)
+    }
+
     /// The larger of each pair.
     pub fn larger(self, other: Self) -> Self {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);

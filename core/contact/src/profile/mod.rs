@@ -70,6 +70,7 @@ impl Profile {
     }
 
     /// `N` columns of the tables from column `FIRST` on.
+    #[inline]
     fn columns<const FIRST: usize, const N: usize>(self, q: f32) -> [f32; N] {
         let place = INTERVALS as f32 * root(1.0 - q * q);
         // by way of 32 bits, to which a float goes in fewer instructions

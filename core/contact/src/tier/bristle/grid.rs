@@ -54,7 +54,7 @@ fn seed(layout: &Layout, width: f32, hold: &Hold, held: &Grip, bristles: &mut [B
     }
     let inside = |k: usize| hold.profile.inside(min(width * k as f32 / hold.radius, 1.0)).load;
     let share = |k: usize| (inside(k + 1) - inside(k)) / AROUND as f32;
-    let arms: f32 = (0..layout.rings).map(|k| share(k) * middle(width, k)).sum::<f32>() * AROUND as f32;
+    let arms: f32 = (0..layout.rings).map(|k| share(k) * middle(width, k as f32)).sum::<f32>() * AROUND as f32;
     for (k, cells) in bristles.chunks_exact_mut(AROUND).take(layout.rings).enumerate() {
         for (j, cell) in cells.iter_mut().enumerate() {
             let hoop = layout.direction(k, j).perp() * (held.torque / arms);
@@ -66,73 +66,111 @@ fn seed(layout: &Layout, width: f32, hold: &Hold, held: &Grip, bristles: &mut [B
 /// Moves every cell's force to the cells of the new grid that overlap it. The part beyond the last new ring is lost: it lies outside
 /// the contact, where the cap is zero.
 fn share_out(layout: &Layout, grid: &Grid, new_width: f32, bristles: &mut [Bristle]) {
-    let before = moments(layout, grid.rings, grid.width, bristles);
-    let mut next = [[Bristle::default(); AROUND]; MAX_RINGS];
-    for k in 0..grid.rings {
-        let (inner, outer) = (grid.width * k as f32, min(grid.width * (k + 1) as f32, max(grid.radius, grid.width * k as f32)));
-        let area = outer * outer - inner * inner;
-        if area <= 0.0 {
-            continue;
+    let mut shared = Shared { ratio: new_width / grid.width, pairs: heapless::Vec::new(), missing: 0.0 };
+    let mut next = Pair::default();
+    let reach = max(grid.radius / grid.width, 0.0);
+    for (k, cells) in pairs(bristles).enumerate().take(grid.rings) {
+        if k as f32 >= reach {
+            break;
         }
-        let first = (inner / new_width) as usize;
-        for to in first..layout.rings {
-            let (low, high) = (max(inner, new_width * to as f32), min(outer, new_width * (to + 1) as f32));
-            if low >= high {
+        let pair = Pair::of(cells, layout.direction(k, 0));
+        next = shared.hand_over(layout.rings, (k as f32, min(k as f32 + 1.0, reach)), &pair, next);
+    }
+    shared.push(layout.rings, next);
+    shared.store(layout, grid.rings, bristles);
+}
+
+/// Two opposite bristles: what they have in common is a drag and keeps its direction; what they have opposite is a twist and turns with them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    /// Mean force \[N\].
+    common: Vec2,
+    /// Half the difference, along the radius and along the hoop \[N\].
+    opposite: Vec2,
+    slipped: [f32; AROUND],
+}
+
+impl Pair {
+    /// The bristles of a ring whose first one lies in the direction `out`.
+    fn of([one, two]: &[Bristle; AROUND], out: Vec2) -> Self {
+        let opposite = (one.force - two.force) * 0.5;
+        Self {
+            common: (one.force + two.force) * 0.5,
+            opposite: Vec2::new(out.dot(opposite), out.perp_dot(opposite)),
+            slipped: [one.slipped, two.slipped],
+        }
+    }
+
+    fn take(&mut self, other: &Self, share: f32) {
+        self.common += other.common * share;
+        self.opposite += other.opposite * share;
+        self.slipped = [max(self.slipped[0], other.slipped[0]), max(self.slipped[1], other.slipped[1])];
+    }
+
+    /// The bristles, with this much more along the hoop \[N\].
+    fn bristles(&self, out: Vec2, hoop: f32) -> [Bristle; AROUND] {
+        let opposite = out.rotate(self.opposite + Vec2::new(0.0, hoop));
+        let [one, two] = self.slipped;
+        [Bristle { force: self.common + opposite, slipped: one }, Bristle { force: self.common - opposite, slipped: two }]
+    }
+}
+
+/// What the new rings have got by now, innermost first. Radii are in widths of the old rings.
+struct Shared {
+    /// Width of a new ring.
+    ratio: f32,
+    pairs: heapless::Vec<Pair, MAX_RINGS>,
+    /// Torque that moving to the middle of another ring lost, over that of a hoop force of 1 N on a pair one old width out \[N\].
+    missing: f32,
+}
+
+impl Shared {
+    /// Hands a pair, spread between two radii, to the rings that overlap it; `next` is the first of these, and the last is given back, which may get more.
+    fn hand_over(&mut self, rings: usize, (inner, outer): (f32, f32), pair: &Pair, mut next: Pair) -> Pair {
+        let (per_area, arm) = (1.0 / (outer * outer - inner * inner), middle(1.0, inner));
+        let mut low = inner;
+        for to in self.pairs.len()..rings {
+            let end = self.ratio * (to + 1) as f32;
+            let high = min(outer, end);
+            let share = (high * high - low * low) * per_area;
+            next.take(pair, share);
+            self.missing += share * pair.opposite.y * (arm - middle(self.ratio, to as f32));
+            if end > outer {
                 break;
             }
-            let share = (high * high - low * low) / area;
-            let turn = layout.turn(k, to);
-            if let (Some(from), Some(into)) = (pair(bristles, k), next.get_mut(to)) {
-                hand_over(share, turn, from, into);
-            }
+            self.push(rings, next);
+            (next, low) = (Pair::default(), high);
+        }
+        next
+    }
+
+    fn push(&mut self, rings: usize, pair: Pair) {
+        if self.pairs.len() < rings {
+            let _ = self.pairs.push(pair);
         }
     }
-    for (cell, new) in bristles.iter_mut().zip(next.as_flattened()) {
-        *cell = *new;
-    }
-    restore_torque(layout, new_width, before, bristles);
-}
 
-/// Hands `share` of a pair to a pair that stands `turn` further round. What the two have in common is a drag and keeps its direction; what
-/// they have opposite is a twist and turns with them.
-fn hand_over(share: f32, turn: Vec2, from: &[Bristle; AROUND], to: &mut [Bristle; AROUND]) {
-    let common = (from[0].force + from[1].force) * 0.5;
-    let opposite = turn.rotate((from[0].force - from[1].force) * 0.5);
-    to[0].force += (common + opposite) * share;
-    to[1].force += (common - opposite) * share;
-    to[0].slipped = max(to[0].slipped, from[0].slipped);
-    to[1].slipped = max(to[1].slipped, from[1].slipped);
-}
-
-/// The pair of ring `k`.
-fn pair(bristles: &[Bristle], k: usize) -> Option<&[Bristle; AROUND]> {
-    bristles.get(k * AROUND..)?.first_chunk()
-}
-
-/// Torque about the centre with every cell's force at the middle of its ring \[N m\].
-fn moments(layout: &Layout, rings: usize, width: f32, bristles: &[Bristle]) -> f32 {
-    let mut torque = 0.0;
-    for (k, cells) in bristles.chunks_exact(AROUND).take(rings).enumerate() {
-        for (j, cell) in cells.iter().enumerate() {
-            torque += middle(width, k) * layout.direction(k, j).perp_dot(cell.force);
+    /// Gives the rings their bristles, with a hoop force that grows with the radius for the torque that is missing, and clears the others.
+    fn store(&self, layout: &Layout, old_rings: usize, bristles: &mut [Bristle]) {
+        // the sum of the squares of 1/2, 3/2, ...
+        let count = self.pairs.len() as f32;
+        let rise = self.missing * 12.0 / (self.ratio * count * (4.0 * count * count - 1.0));
+        let mut cells = pairs(bristles).enumerate().take(layout.rings.max(old_rings));
+        for (pair, (k, cells)) in self.pairs.iter().zip(cells.by_ref()) {
+            *cells = pair.bristles(layout.direction(k, 0), rise * middle(1.0, k as f32));
         }
+        cells.for_each(|(_, cells)| *cells = Default::default());
     }
-    torque
 }
 
-fn middle(width: f32, k: usize) -> f32 {
-    width * (k as f32 + 0.5)
+/// The bristles, ring by ring.
+fn pairs(bristles: &mut [Bristle]) -> core::slice::IterMut<'_, [Bristle; AROUND]> {
+    bristles.as_chunks_mut::<AROUND>().0.iter_mut()
 }
 
-/// Turns the lost or gained torque back in as a hoop force that grows with the radius.
-fn restore_torque(layout: &Layout, width: f32, before: f32, bristles: &mut [Bristle]) {
-    let missing = before - moments(layout, layout.rings, width, bristles);
-    let arms: f32 = (0..layout.rings).map(|k| middle(width, k) * middle(width, k)).sum::<f32>() * AROUND as f32;
-    for (k, cells) in bristles.chunks_exact_mut(AROUND).take(layout.rings).enumerate() {
-        for (j, cell) in cells.iter_mut().enumerate() {
-            cell.force += layout.direction(k, j).perp() * (missing * middle(width, k) / arms);
-        }
-    }
+/// Middle of ring `k`.
+fn middle(width: f32, k: f32) -> f32 {
+    width * (k + 0.5)
 }
 
 /// Takes away the traction that rolled out of the contact, and what lies outside it.

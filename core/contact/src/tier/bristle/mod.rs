@@ -69,12 +69,6 @@ impl Layout {
         Self { rings, ..*self }
     }
 
-    /// Rotation from the place of ring `from` to that of ring `to`, as the unit complex number (cos, sin).
-    pub fn turn(&self, from: usize, to: usize) -> Vec2 {
-        let (a, b) = (self.direction(from, 0), self.direction(to, 0));
-        Vec2::new(a.dot(b), a.perp_dot(b))
-    }
-
     /// Unit vector to bristle `j` of ring `k`.
     pub fn direction(&self, k: usize, j: usize) -> Vec2 {
         let first = self.directions.get(k).copied().unwrap_or_default();

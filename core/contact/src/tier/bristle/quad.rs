@@ -1,4 +1,4 @@
-//! Four bristles at a time: two rings of two. What their forces come to is summed bristle by bristle, in the order in which they lie.
+//! Four bristles at a time: two rings of two. What their forces come to is summed quad by quad, then over the four.
 
 use crate::lanes::Lanes;
 use crate::limits::MAX_BRISTLES;
@@ -28,6 +28,10 @@ pub struct Quad {
     /// What they can hold while they stick, and once they have left stick \[N\].
     cap: Lanes,
     cut: Lanes,
+    /// The dynamic cap: one that sticks below it forgets that it slipped \[N\].
+    pub dynamic: Lanes,
+    /// Area that counts as stuck with each in pure drag and in pure twist, shares of the contact area.
+    pub stuck: (Lanes, Lanes),
 }
 
 /// The quads of a patch, innermost first.
@@ -49,7 +53,7 @@ pub struct Moved {
 }
 
 /// What four bristles take from the stiffness of a patch, each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Lost {
     /// Force over drag, x over x, x over y and y over y \[N/m\].
     pub drag: [Lanes; 3],
@@ -59,6 +63,19 @@ pub struct Lost {
     pub torque_drag: (Lanes, Lanes),
     /// Torque over twist \[N m/rad\].
     pub twist: Lanes,
+}
+
+impl core::ops::AddAssign for Lost {
+    fn add_assign(&mut self, other: Self) {
+        for (sum, more) in self.drag.iter_mut().zip(other.drag) {
+            *sum += more;
+        }
+        self.force_twist.0 += other.force_twist.0;
+        self.force_twist.1 += other.force_twist.1;
+        self.torque_drag.0 += other.torque_drag.0;
+        self.torque_drag.1 += other.torque_drag.1;
+        self.twist += other.twist;
+    }
 }
 
 /// Lays out the bristles of `rings`.
@@ -84,6 +101,7 @@ impl Quad {
         } else {
             both(|ring| ring.load) * hold.mu_s
         };
+        let dynamic = both(|ring| ring.load) * hold.mu_d;
         Self {
             force: (Lanes(cells.map(|cell| cell.force.x)), Lanes(cells.map(|cell| cell.force.y))),
             radial: (Lanes([a.x, -a.x, b.x, -b.x]), Lanes([a.y, -a.y, b.y, -b.y])),
@@ -92,7 +110,9 @@ impl Quad {
             arm: both(|ring| ring.arm),
             cap,
             // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
-            cut: if hold.sharp { both(|ring| ring.load) * hold.mu_d } else { cap },
+            cut: if hold.sharp { dynamic } else { cap },
+            dynamic,
+            stuck: (both(|ring| ring.stuck.0), both(|ring| ring.stuck.1)),
         }
     }
 

@@ -8,13 +8,13 @@
 use glam::Vec2;
 
 use crate::lanes::Lanes;
-use crate::math::min;
+use crate::math::{max, min};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
-use crate::tier::bristle::quad::{self, BRISTLES, Quads};
+use crate::tier::bristle::quad::{self, BRISTLES, Lost, Moved, Quads};
 use crate::tier::bristle::ring::{Ring, Rings};
 use crate::tier::bristle::stiffness::Stiffness;
-use crate::tier::bristle::{AROUND, Bristle, Layout};
+use crate::tier::bristle::{Bristle, Layout};
 
 /// Compliance that all bristles of a patch share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub fn shift(
         let rest = rest_of(common, wanted, felt, trial.force - before.force, trial.torque - before.torque);
         felt = felt + trial.stiffness.solve(common, rest);
     }
-    let grip = settle(hold, rings, &quads, bristles, felt);
+    let grip = settle(hold, &quads, bristles, felt);
     Answer { grip, rest: rest_of(common, wanted, felt, grip.force - before.force, grip.torque - before.torque) }
 }
 
@@ -82,40 +82,64 @@ struct Trial {
 
 /// What the bristles would hold if the patch shifted by `felt`; changes nothing.
 fn probe(quads: &Quads, felt: Shift, stuck: Stiffness) -> Trial {
-    let mut trial = Trial { force: Vec2::ZERO, torque: 0.0, stiffness: stuck };
+    let (mut sum, mut lost, mut slides) = (Sum::default(), Lost::default(), false);
     for quad in quads {
         let moved = quad.moved(felt);
-        for i in 0..BRISTLES {
-            trial.force += Vec2::new(moved.force.0.0[i], moved.force.1.0[i]);
-            trial.torque += moved.torque.0[i];
-        }
+        sum.add(&moved);
         if moved.trial != Lanes::default() {
-            trial.stiffness.soften(&quad.lost(&moved));
+            lost += quad.lost(&moved);
+            slides = true;
         }
     }
-    trial
+    let mut stiffness = stuck;
+    if slides {
+        stiffness.soften(&lost);
+    }
+    let (force, torque) = sum.total();
+    Trial { force, torque, stiffness }
+}
+
+/// What bristles hold, the first of all quads side by side with the second, the third and the fourth.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    force: (Lanes, Lanes),
+    torque: Lanes,
+}
+
+impl Sum {
+    fn add(&mut self, moved: &Moved) {
+        self.force.0 += moved.force.0;
+        self.force.1 += moved.force.1;
+        self.torque += moved.torque;
+    }
+
+    fn total(&self) -> (Vec2, f32) {
+        (Vec2::new(self.force.0.total(), self.force.1.total()), self.torque.total())
+    }
 }
 
 /// Moves the bristles for good.
-fn settle(hold: &Hold, rings: &Rings, quads: &Quads, bristles: &mut [Bristle], felt: Shift) -> Grip {
-    let mut grip = Grip::default();
-    let mut stuck = (0.0, 0.0);
-    let kept = rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks_mut(BRISTLES));
-    for (quad, (rings, cells)) in quads.iter().zip(kept) {
+fn settle(hold: &Hold, quads: &Quads, bristles: &mut [Bristle], felt: Shift) -> Grip {
+    let (mut sum, mut stuck) = (Sum::default(), (Lanes::default(), Lanes::default()));
+    for (quad, cells) in quads.iter().zip(bristles.chunks_mut(BRISTLES)) {
         let moved = quad.moved(felt);
+        sum.add(&moved);
+        // what the cap cut off a trial, over the stiffness
+        let cut = moved.trial * (Lanes::splat(1.0) - moved.scale) / quad.drag;
+        let sticks = Lanes(moved.trial.0.map(|trial| if trial > 0.0 { 0.0 } else { 1.0 }));
+        stuck = (stuck.0 + quad.stuck.0 * sticks, stuck.1 + quad.stuck.1 * sticks);
         for (i, cell) in cells.iter_mut().enumerate().take(BRISTLES) {
-            let Some(ring) = rings.get(i / AROUND) else { break };
             cell.force = Vec2::new(moved.force.0.0[i], moved.force.1.0[i]);
-            cell.slipped = slipped(hold, ring, cell, moved.trial.0[i], moved.scale.0[i]);
-            grip.force += cell.force;
-            grip.torque += moved.torque.0[i];
-            if moved.trial.0[i] <= 0.0 {
-                stuck = (stuck.0 + ring.stuck.0, stuck.1 + ring.stuck.1);
+            if moved.trial.0[i] > 0.0 {
+                cell.slipped = max(cell.slipped + cut.0[i], LEAST_SLIP);
+            } else if cell.slipped > 0.0 && cell.force.length_squared() < square(quad.dynamic.0[i]) {
+                cell.slipped = 0.0;
             }
         }
     }
-    grip.stick = stick_share(hold, &grip, stuck);
-    grip
+    let (force, torque) = sum.total();
+    let grip = Grip { force, torque, stick: 0.0 };
+    Grip { stick: stick_share(hold, &grip, (stuck.0.total(), stuck.1.total())), ..grip }
 }
 
 /// The stuck share of the area lies between its pure-drag and its pure-twist reading, by how much of each is used.
@@ -128,17 +152,6 @@ fn stick_share(hold: &Hold, grip: &Grip, stuck: (f32, f32)) -> f32 {
 
 fn square(x: f32) -> f32 {
     x * x
-}
-
-/// Distance slipped since stick was left: what the cap cut off the trial, over the stiffness. Back to 0 when it sticks below the dynamic cap.
-fn slipped(hold: &Hold, ring: &Ring, cell: &Bristle, trial: f32, scale: f32) -> f32 {
-    let before = cell.slipped;
-    if trial > 0.0 {
-        let cut = trial * (1.0 - scale) / ring.drag;
-        let slipped = before + cut;
-        return if slipped > LEAST_SLIP { slipped } else { LEAST_SLIP };
-    }
-    if before > 0.0 && cell.force.length_squared() < square(hold.mu_d * ring.load) { 0.0 } else { before }
 }
 
 /// A bristle or a cell that has left stick is marked by a slip above zero, however small the step was: far below what the least contact slips over, and a normal number still \[m\].

@@ -2,9 +2,10 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
+use crate::lanes::Lanes;
 use crate::patch::Shift;
 use crate::tier::bristle::AROUND;
-use crate::tier::bristle::quad::{BRISTLES, Lost};
+use crate::tier::bristle::quad::Lost;
 use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::slip::Common;
 
@@ -33,16 +34,13 @@ impl Stiffness {
         Self { xx: drag, xy: 0.0, yy: drag, force_twist: Vec2::ZERO, torque_drag: Vec2::ZERO, twist }
     }
 
-    /// Takes away what bristles lose by sliding, one after the other.
+    /// Takes away what bristles lose by sliding, in all.
     pub fn soften(&mut self, lost: &Lost) {
-        for i in 0..BRISTLES {
-            self.xx -= lost.drag[0].0[i];
-            self.xy -= lost.drag[1].0[i];
-            self.yy -= lost.drag[2].0[i];
-            self.force_twist -= Vec2::new(lost.force_twist.0.0[i], lost.force_twist.1.0[i]);
-            self.torque_drag -= Vec2::new(lost.torque_drag.0.0[i], lost.torque_drag.1.0[i]);
-            self.twist -= lost.twist.0[i];
-        }
+        let [xx, xy, yy] = lost.drag.map(Lanes::total);
+        (self.xx, self.xy, self.yy) = (self.xx - xx, self.xy - xy, self.yy - yy);
+        self.force_twist -= Vec2::new(lost.force_twist.0.total(), lost.force_twist.1.total());
+        self.torque_drag -= Vec2::new(lost.torque_drag.0.total(), lost.torque_drag.1.total());
+        self.twist -= lost.twist.total();
     }
 
     fn matrix(&self) -> Mat3 {
