@@ -4,7 +4,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use crate::math::max;
+use crate::math::{max, sqrt};
 
 /// Numbers side by side: what every x86-64 takes at once.
 pub const LANES: usize = 4;
@@ -25,6 +25,13 @@ impl Lanes {
     pub fn total(self) -> f32 {
         let [a, b, c, d] = self.0;
         (a + b) + (c + d)
+    }
+
+    /// Their square roots, of what is not negative. A function of its own, as [`total`](Self::total).
+    #[inline(never)]
+    pub fn roots(self) -> Self {
+        let [a, b, c, d] = self.0;
+        Self([sqrt(a), sqrt(b), sqrt(c), sqrt(d)])
     }
 
     /// The larger of each pair.
@@ -73,6 +80,22 @@ impl Div for Lanes {
     fn div(self, other: Self) -> Self {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
         Self([a / e, b / f, c / g, d / h])
+    }
+}
+
+impl Add<Lanes> for f32 {
+    type Output = Lanes;
+
+    fn add(self, lanes: Lanes) -> Lanes {
+        Lanes::splat(self) + lanes
+    }
+}
+
+impl Sub<Lanes> for f32 {
+    type Output = Lanes;
+
+    fn sub(self, lanes: Lanes) -> Lanes {
+        Lanes::splat(self) - lanes
     }
 }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 use heapless::Vec;
 
 use crate::footprint::Seat;
+use crate::green::drawn::Discs;
 use crate::stage::ground::Ground;
 
 /// A part that overlaps the object. Filled by stage 1.
@@ -27,12 +28,14 @@ pub struct Scratch<const CONTACTS: usize> {
     pub(crate) contacts: Vec<Contact, CONTACTS>,
     /// Grounds of the patches, where patches move each other. Filled by stage 4.
     pub(crate) grounds: Vec<Ground, CONTACTS>,
+    /// Discs of the patches, where they move each other in closed form. Filled by stage 4.
+    pub(crate) discs: Discs,
 }
 
 impl<const CONTACTS: usize> Scratch<CONTACTS> {
     /// An empty workspace.
     pub const fn new() -> Self {
-        Self { contacts: Vec::new(), grounds: Vec::new() }
+        Self { contacts: Vec::new(), grounds: Vec::new(), discs: Discs::new() }
     }
 
     /// Forgets the previous tick. In debug builds the old contacts are overwritten with NaN first, so that a stage that read
@@ -46,5 +49,6 @@ impl<const CONTACTS: usize> Scratch<CONTACTS> {
         }
         self.contacts.clear();
         self.grounds.clear();
+        self.discs.clear();
     }
 }

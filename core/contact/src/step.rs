@@ -81,7 +81,13 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     // 4 torque
     let changed = take_up(params, rung, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
-    let work = torque::Workspace { stored, per_slot: SAMPLES, traced: TRACES > 0, grounds: &mut scratch.grounds };
+    let work = torque::Workspace {
+        stored,
+        per_slot: SAMPLES,
+        traced: TRACES > 0,
+        grounds: &mut scratch.grounds,
+        discs: &mut scratch.discs,
+    };
     flags |= lowered | torque::hold(model, params, rung, patches, work, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);

@@ -37,26 +37,26 @@ impl core::ops::Add for Move {
 /// A loaded disc.
 #[derive(Clone, Copy, Debug)]
 pub struct Disc {
-    centre: Vec3,
-    normal: Vec3,
-    radius: f32,
+    pub(super) centre: Vec3,
+    pub(super) normal: Vec3,
+    pub(super) radius: f32,
     /// Curvature of the object under the disc \[1/m\].
-    curvature: f32,
-    base: f32,
-    height: f32,
-    poisson: f32,
+    pub(super) curvature: f32,
+    pub(super) base: f32,
+    pub(super) height: f32,
+    pub(super) poisson: f32,
     /// nu/(2 - nu).
-    lateral: f32,
+    pub(super) lateral: f32,
     /// 1 - 2 nu.
-    sinking: f32,
+    pub(super) sinking: f32,
     /// Shift per force along the normal, 1/(2 E* a) \[m/N\].
     pressed: f32,
     /// Shift per force along the surface, (2 - nu)/(8 G a) \[m/N\].
-    dragged: f32,
+    pub(super) dragged: f32,
     /// Turn per torque, 3/(16 G a^3) \[rad/(N m)\].
-    turned: f32,
+    pub(super) turned: f32,
     /// 1/(4 pi G) \[m^2/N\].
-    unit: f32,
+    pub(super) unit: f32,
 }
 
 impl Disc {
@@ -98,27 +98,6 @@ impl Disc {
         Move { shift: self.local(load, p_w, least) * fade, turn: turn * fade }
     }
 
-    /// What a load along the surface and about the normal moves at another patch's place, `least` \[m\] away or more: as [`Disc::at`], with the distance in
-    /// space for that along the surface.
-    pub(crate) fn drawn(&self, load: &Load, p_w: Vec3, n: Vec3, least: f32) -> Move {
-        let offset = p_w - self.centre;
-        let r = max(root(offset.length_squared()), least);
-        let near = 1.0 / r;
-        let level = offset - self.normal * offset.dot(self.normal);
-        let e = level * near;
-        let (straight, turned_across, turned) = around(self.radius * near);
-        let across = self.lateral * turned_across;
-        let ahead = e.dot(load.force);
-        let along = self.dragged * (straight - across) + self.bent_drag(r);
-        let sinks = self.unit * self.sinking * ahead * near;
-        let swirl = load.torque * self.turned * turned * self.bent_twist(r);
-        let shift = load.force * along + e * (2.0 * self.dragged * across * ahead) - self.normal * sinks
-            + self.normal.cross(level) * swirl;
-        let spin = load.force.cross(offset).dot(n) - 0.5 * load.torque * self.normal.dot(n);
-        let fade = self.fade(p_w.z);
-        Move { shift: shift * fade, turn: self.unit * spin * near * near * near * fade }
-    }
-
     /// The curvature's part of [`Disc::displacement`] under a drag alone: what the forms of a patch's own profile and slip lack.
     pub(crate) fn bent(&self, load: &Load, p_w: Vec3) -> Vec3 {
         let along = load.force - self.normal * load.force.dot(self.normal);
@@ -150,16 +129,8 @@ impl Disc {
         self.pressed(into, q, e, z, distance)
             + self.dragged(along, q, e, distance)
             + along * self.bent_drag(distance)
-            + self.normal.cross(level) * (load.torque * self.turned * turned_disc(q) * self.bent_twist(distance))
-    }
-
-    /// What the body's curvature makes of a twist, to first order (11.4): on a sphere 1 + 3/2 d/R far away, 1 + 0.735 a/R on the disc.
-    fn bent_twist(&self, distance: f32) -> f32 {
-        if self.curvature == 0.0 {
-            return 1.0;
-        }
-        let share = min(self.curvature * max(distance, self.radius), 1.0);
-        1.0 + 1.5 * share - 0.765 * self.curvature * self.radius
+            + self.normal.cross(level)
+                * (load.torque * self.turned * turned_disc(q) * bent_twist(self.curvature, self.radius, distance))
     }
 
     /// What it adds to a drag: the surface that falls away is drawn along by (3 - 2 nu (1 - 2 nu))/(8 pi G R) ln(R/d) (11.5).
@@ -193,24 +164,14 @@ impl Disc {
     }
 }
 
-/// `disc`, `disc_across` and `turned_disc` at the radius over the distance `s`.
-fn around(s: f32) -> (f32, f32, f32) {
-    if s > SERIES {
-        let q = 1.0 / s;
-        return (disc(q), disc_across(q), turned_disc(q));
+/// What the body's `curvature` \[1/m\] makes of the twist of a disc of this radius, to first order (11.4): on a sphere 1 + 3/2 d/R far away, 1 + 0.735 a/R on the disc.
+pub(super) fn bent_twist(curvature: f32, radius: f32, distance: f32) -> f32 {
+    if curvature == 0.0 {
+        return 1.0;
     }
-    let s2 = s * s;
-    let cubic = |c: [f32; 4]| c[0] + s2 * (c[1] + s2 * (c[2] + s2 * c[3]));
-    (s * cubic(DISC), s * cubic(DISC_ACROSS), s * s2 * cubic(TURNED))
+    let share = min(curvature * max(distance, radius), 1.0);
+    1.0 + 1.5 * share - 0.765 * curvature * radius
 }
-
-/// Coefficients of s, s^3, s^5, s^7 in `disc` and `disc_across`, and of s^3, s^5, s^7, s^9 in `turned_disc`.
-const DISC: [f32; 4] = [2.0 / PI, 1.0 / (3.0 * PI), 3.0 / (20.0 * PI), 5.0 / (56.0 * PI)];
-const DISC_ACROSS: [f32; 4] = [2.0 / PI, -1.0 / PI, -1.0 / (4.0 * PI), -1.0 / (8.0 * PI)];
-const TURNED: [f32; 4] = [4.0 / (3.0 * PI), 2.0 / (5.0 * PI), 3.0 / (14.0 * PI), 5.0 / (36.0 * PI)];
-
-/// Radius over distance up to which the series are good to 1e-4: what patches that do not overlap are apart, where they are alike.
-const SERIES: f32 = 0.5;
 
 /// Shift per force, times 2 G, that a surface of `curvature` \[1/m\] adds at the distance `d` from a drag; none beyond its radius.
 pub(crate) fn bent_drag(curvature: f32, poisson: f32, d: f32) -> f32 {

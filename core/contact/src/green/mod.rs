@@ -7,6 +7,7 @@
 //! world x, y, z \[m\] and turn about the outward normal \[rad\].
 
 pub mod chart;
+pub mod drawn;
 pub mod kernel;
 
 use glam::Vec3;

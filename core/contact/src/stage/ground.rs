@@ -10,6 +10,7 @@ use heapless::VecView;
 
 use crate::body;
 use crate::green::chart::Cell;
+use crate::green::drawn::{Discs, Place};
 use crate::green::kernel::{Disc, Load, Move};
 use crate::green::{Block, Green};
 use crate::model::{Model, ObjectShape};
@@ -39,15 +40,20 @@ pub struct Ground {
 }
 
 /// Prepares the grounds of all patches, in their order; none where nothing but a patch's own series compliance moves any ground.
-pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Ground>) {
+pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Ground>, discs: &mut Discs) {
     grounds.clear();
+    discs.clear();
     let alone_on_axis = |patch: &Patch| arm(patch.at_rest()) == Vec3::ZERO || model.object == ObjectShape::HalfSpace;
     if patches.len() <= 1 && model.table().is_none() && patches.iter().all(alone_on_axis) {
         return;
     }
     let alone = patches.len() <= 1;
     for patch in patches {
-        let _ = grounds.push(Ground::of(model, patch, alone));
+        let ground = Ground::of(model, patch, alone);
+        if let (Some(disc), None) = (&ground.disc, model.table()) {
+            discs.push(disc, ground.radius, &ground.held);
+        }
+        let _ = grounds.push(ground);
     }
 }
 
@@ -80,19 +86,20 @@ impl Ground {
 }
 
 /// Motion of the ground under patch `i`, in its frame, by all grips as they are now.
-pub fn moved(model: &Model<'_>, grounds: &[Ground], patches: &[Patch], i: usize) -> Shift {
+pub fn moved(model: &Model<'_>, grounds: &[Ground], discs: &Discs, patches: &[Patch], i: usize) -> Shift {
     let (Some(here), Some(ground)) = (patches.get(i), grounds.get(i)) else { return Shift::default() };
     let Move { shift, turn } = match model.table() {
         Some(green) => by_table(model, green, grounds, patches, here, i),
-        None => by_beam(grounds, ground, here.normal, i),
+        None => by_beam(grounds, discs, ground, here.normal, i),
     };
     Shift { drag: here.to_patch(shift), twist: turn }
 }
 
 /// Takes up what a patch holds now.
-pub fn take_up(ground: Option<&mut Ground>, patch: &Patch) {
-    if let Some(ground) = ground {
+pub fn take_up(grounds: &mut [Ground], discs: &mut Discs, i: usize, patch: &Patch) {
+    if let Some(ground) = grounds.get_mut(i) {
         ground.held = held(patch);
+        discs.load(i, &ground.held);
     }
 }
 
@@ -145,12 +152,9 @@ fn by_table(model: &Model<'_>, green: &Green<'_>, grounds: &[Ground], patches: &
 }
 
 /// Without a table: shear and bending are common to all patches, and forces beside the body's axis turn it.
-fn by_beam(grounds: &[Ground], ground: &Ground, normal: Vec3, i: usize) -> Move {
-    let (mut near, mut swept, mut torque) = (Move::default(), Vec3::ZERO, 0.0);
+fn by_beam(grounds: &[Ground], discs: &Discs, ground: &Ground, normal: Vec3, i: usize) -> Move {
+    let (mut swept, mut torque) = (Vec3::ZERO, 0.0);
     for other in grounds.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other) {
-        if let Some(disc) = &other.disc {
-            near = near + disc.drawn(&other.held, ground.place, normal, ground.radius + other.radius);
-        }
         swept += other.held.force;
         torque += other.about_axis() + other.held.torque * other.up;
     }
@@ -158,7 +162,8 @@ fn by_beam(grounds: &[Ground], ground: &Ground, normal: Vec3, i: usize) -> Move 
     let turned = ground.torsion * (torque + ground.about_axis());
     let own = ground.torsion * ground.held.torque * ground.up;
     let shift = swept * ground.shared + Vec3::Z.cross(arm(ground.place)) * (turned + own) - ground.held.force * ground.lever;
-    near + Move { shift, turn: ground.up * turned }
+    let place = Place { p_w: ground.place, normal, radius: ground.radius, index: i };
+    discs.drawn(&place) + Move { shift, turn: ground.up * turned }
 }
 
 /// Arm of a place about the body's vertical axis \[m\].

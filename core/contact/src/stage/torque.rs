@@ -4,6 +4,7 @@ use heapless::VecView;
 
 use crate::budget::Rung;
 use crate::frames::{Pose, ProbeFrame, World};
+use crate::green::drawn::Discs;
 use crate::limits::MIN_SAMPLES;
 use crate::model::Model;
 use crate::params::{Params, Tier};
@@ -25,6 +26,8 @@ pub struct Workspace<'a> {
     pub traced: bool,
     /// Grounds of the patches.
     pub grounds: &'a mut VecView<Ground>,
+    /// Discs of the patches.
+    pub discs: &'a mut Discs,
 }
 
 /// Sets the grip of every patch, as finely as the rung says. `changed` says that the parameters or the rung are not those of the last tick.
@@ -44,7 +47,7 @@ pub fn hold(
     match rung.tier {
         Tier::Paper => paper::hold(model, params, usize::from(rung.samples), patches, x_wp),
         Tier::Point => {
-            each(model, params, patches, work.grounds, changed, point::advance);
+            each(model, params, patches, (work.grounds, work.discs), changed, point::advance);
             Flags::CLEAN
         }
         Tier::Bristle => hold_bristles(model, params, rung, patches, &mut work, changed),
@@ -74,9 +77,9 @@ fn hold_bristles(
     work: &mut Workspace<'_>,
     changed: bool,
 ) -> Flags {
-    let Workspace { stored, per_slot, grounds, .. } = work;
+    let Workspace { stored, per_slot, grounds, discs, .. } = work;
     if *per_slot < MIN_SAMPLES {
-        each(model, params, patches, grounds, changed, point::advance);
+        each(model, params, patches, (grounds, discs), changed, point::advance);
         return Flags::TIER_LOWERED;
     }
     let (rings, flags) = fitting(params, rung, *per_slot);
@@ -87,7 +90,7 @@ fn hold_bristles(
         fewer = params.layout.with(rings);
         &fewer
     };
-    each(model, params, patches, grounds, changed, |hold, patch| {
+    each(model, params, patches, (grounds, discs), changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         if let Some(cells) = stored.force.get_mut(start..start + *per_slot) {
             bristle::advance(hold, layout, patch, cells);
@@ -106,8 +109,8 @@ fn hold_cells(
     work: &mut Workspace<'_>,
     changed: bool,
 ) -> Flags {
-    let Workspace { stored: Stored { force, trace }, per_slot, grounds, .. } = work;
-    each(model, params, patches, grounds, changed, |hold, patch| {
+    let Workspace { stored: Stored { force, trace }, per_slot, grounds, discs, .. } = work;
+    each(model, params, patches, (grounds, discs), changed, |hold, patch| {
         let start = usize::from(patch.slot) * *per_slot;
         let (forces, traces) = (force.get_mut(start..start + *per_slot), trace.get_mut(start..start + *per_slot));
         if let (Some(force), Some(trace)) = (forces, traces) {
@@ -122,19 +125,19 @@ fn each(
     model: &Model<'_>,
     params: &Params,
     patches: &mut [Patch],
-    grounds: &mut VecView<Ground>,
+    (grounds, discs): (&mut VecView<Ground>, &mut Discs),
     changed: bool,
     mut advance: impl FnMut(&Hold, &mut Patch),
 ) {
-    ground::prepare(model, patches, grounds);
+    ground::prepare(model, patches, grounds, discs);
     for i in 0..patches.len() {
-        let ground = ground::moved(model, grounds, patches, i);
+        let ground = ground::moved(model, grounds, discs, patches, i);
         let lever = grounds.get(i).map_or(0.0, |ground| ground.lever);
         if let Some(patch) = patches.get_mut(i).filter(|patch| changed || !is_at_rest(patch)) {
             let hold = Hold::new(model, params, patch, ground, lever);
             patch.ground = ground;
             advance(&hold, patch);
-            ground::take_up(grounds.get_mut(i), patch);
+            ground::take_up(grounds, discs, i, patch);
         }
     }
 }
