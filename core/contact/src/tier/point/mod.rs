@@ -6,6 +6,7 @@
 
 pub mod curve;
 pub mod memory;
+mod twist;
 
 use glam::Vec2;
 
