@@ -76,7 +76,7 @@ impl Grid {
             seed(layout, self, held, cells.force);
         } else if radius > layout.half as f32 * self.width || radius < FEWEST * self.width * layout.fresh() {
             share_out(layout, self.width, width, cells.force);
-            cells.trace.fill(Trace::default());
+            cells.trace.iter_mut().take(layout.slots()).for_each(|trace| *trace = Trace::default());
             // any cell of the new grid may have got a share
             (self.width, self.radius, self.wanted) = (width, layout.half as f32 * width, Shift::default());
         }

@@ -8,52 +8,47 @@ use glam::Vec2;
 use crate::lanes::Lanes;
 use crate::math::{clamp, max, min};
 use crate::tier::bristle::Bristle;
-use crate::tier::influence::grid::{Layout, centred};
-use crate::tier::influence::mirror::{HALF, IMAGES, ORDER, Place};
+use crate::tier::influence::grid::Layout;
+use crate::tier::influence::mirror::{HALF, IMAGES, ORDER, Place, SIGN_X, SIGN_Y};
 
 /// The quarter of the square, row by row from the middle.
 type Quarter = [[Lanes; HALF]; HALF];
 
 /// Moves the forces from cells of width `old` to cells of width `new` \[m\]; what lies beyond the new grid goes to its nearest cells.
 pub fn share_out(layout: &Layout, old: f32, new: f32, cells: &mut [Bristle]) {
-    let cells = cells.get_mut(..IMAGES * layout.places()).unwrap_or_default();
-    let before = torque(old, cells);
+    let cells = cells.get_mut(..IMAGES * layout.places()).unwrap_or_default().as_chunks_mut::<IMAGES>().0;
+    let before = old * torque(cells);
     let shares = Shares::new(layout.half, old / new);
     let adds = |to: &mut Lanes, value: Lanes, share: f32| *to += value * share;
     let keeps_most = |to: &mut Lanes, value: Lanes, _: f32| *to = to.larger(value);
-    let [x, y, slipped] = quarters(cells);
-    let x = shares.along_rows(&shares.along_rows(&x, adds), adds);
-    let y = shares.along_rows(&shares.along_rows(&y, adds), adds);
-    let slipped = shares.along_rows(&shares.along_rows(&slipped, keeps_most), keeps_most);
-    gather([x, y, slipped], cells);
+    let x = shares.over_both(&quarter(cells, |cell| cell.force.x), adds);
+    let y = shares.over_both(&quarter(cells, |cell| cell.force.y), adds);
+    let slip = |cell: &Bristle| if cell.force == Vec2::ZERO { 0.0 } else { cell.slipped };
+    let slipped = shares.over_both(&quarter(cells, slip), keeps_most);
+    gather([&x, &y, &slipped], cells);
     restore_torque(new, before, cells);
 }
 
-/// Force along x, along y, and the slip of the cells that hold a force.
-fn quarters(cells: &[Bristle]) -> [Quarter; 3] {
-    let mut quarters = [[[Lanes::default(); HALF]; HALF]; 3];
-    for (place, images) in ORDER.iter().zip(cells.as_chunks::<IMAGES>().0) {
-        let slipped = images.map(|cell| if cell.force == Vec2::ZERO { 0.0 } else { cell.slipped });
-        let of = [images.map(|cell| cell.force.x), images.map(|cell| cell.force.y), slipped];
-        for (quarter, values) in quarters.iter_mut().zip(of) {
-            if let Some(at) = quarter.get_mut(place.row).and_then(|row| row.get_mut(place.column)) {
-                *at = Lanes(values);
-            }
+/// A figure of the cells where they lie.
+fn quarter(cells: &[[Bristle; IMAGES]], figure: impl Fn(&Bristle) -> f32) -> Quarter {
+    let mut quarter = [[Lanes::default(); HALF]; HALF];
+    for (place, [a, b, c, d]) in ORDER.iter().zip(cells) {
+        if let Some(at) = quarter.get_mut(place.row).and_then(|row| row.get_mut(place.column)) {
+            *at = Lanes([figure(a), figure(b), figure(c), figure(d)]);
         }
     }
-    quarters
+    quarter
 }
 
-/// The cells of what was shared out. A corner of the square that is no place goes to its neighbour towards the middle.
-fn gather([x, y, slipped]: [Quarter; 3], cells: &mut [Bristle]) {
-    let images = cells.as_chunks_mut::<IMAGES>().0;
-    let reach = ORDER.get(images.len().saturating_sub(1)).map_or(0.0, Place::distance2);
-    for (place, cells) in ORDER.iter().zip(images) {
-        let mut sum = at([&x, &y, &slipped], place.row, place.column);
+/// The cells of what was shared out: force along x, along y, and slip. A corner of the square that is no place goes to its neighbour towards the middle.
+fn gather(shared: [&Quarter; 3], cells: &mut [[Bristle; IMAGES]]) {
+    let reach = ORDER.get(cells.len().saturating_sub(1)).map_or(0.0, Place::distance2);
+    for (place, cells) in ORDER.iter().zip(cells) {
+        let mut sum = at(shared, place.row, place.column);
         let (mut row, mut column) = (place.row + 1, place.column + 1);
         // bound: HALF steps along the diagonal
         while row < HALF && column < HALF && (Place { column, row }).distance2() > reach {
-            let [of_x, of_y, most] = at([&x, &y, &slipped], row, column);
+            let [of_x, of_y, most] = at(shared, row, column);
             sum = [sum[0] + of_x, sum[1] + of_y, sum[2].larger(most)];
             (row, column) = (row + 1, column + 1);
         }
@@ -93,30 +88,62 @@ impl Shares {
         shares
     }
 
-    /// Shares rows out over new rows; rows and columns then change places.
-    fn along_rows(&self, quarter: &Quarter, combine: impl Fn(&mut Lanes, Lanes, f32)) -> Quarter {
-        let mut next = [[Lanes::default(); HALF]; HALF];
+    /// Shares a quarter out along both axes.
+    fn over_both(&self, quarter: &Quarter, combine: impl Fn(&mut Lanes, Lanes, f32) + Copy) -> Quarter {
+        let (mut rows, mut next) = ([[Lanes::default(); HALF]; HALF], [[Lanes::default(); HALF]; HALF]);
+        self.over(quarter, &mut rows, |to, from, share| {
+            to.iter_mut().zip(from).take(self.half).for_each(|(to, &value)| combine(to, value, share));
+        });
+        for (from, to) in rows.iter().zip(&mut next).take(self.half) {
+            self.over(from, to, |to, &value, share| combine(to, value, share));
+        }
+        next
+    }
+
+    /// Shares what lies along an axis out over it.
+    fn over<T>(&self, from: &[T; HALF], to: &mut [T; HALF], combine: impl Fn(&mut T, &T, f32)) {
         let ends = self.first.iter().zip(&self.last).zip(&self.share);
-        for (row, ((&first, &last), shares)) in quarter.iter().zip(ends).take(self.half) {
-            for (to, &share) in next.iter_mut().zip(shares).take(last + 1).skip(first) {
-                to.iter_mut().zip(row).take(self.half).for_each(|(to, &value)| combine(to, value, share));
+        for (from, ((&first, &last), shares)) in from.iter().zip(ends).take(self.half) {
+            for (to, &share) in to.iter_mut().zip(shares).take(last + 1).skip(first) {
+                combine(to, from, share);
             }
         }
-        core::array::from_fn(|row| core::array::from_fn(|column| next[column][row]))
     }
 }
 
-/// Torque about the centre with every cell's force at its centre \[N m\].
-fn torque(width: f32, cells: &mut [Bristle]) -> f32 {
-    width * centred(cells).map(|(at, cell)| at.perp_dot(cell.force)).sum::<f32>()
+/// Torque about the centre with every cell's force at its centre, over the width of a cell \[N\].
+fn torque(cells: &[[Bristle; IMAGES]]) -> f32 {
+    let (mut along_x, mut along_y) = (Lanes::default(), Lanes::default());
+    for (place, cells) in ORDER.iter().zip(cells) {
+        let (x, y) = place.centre();
+        along_x += Lanes(cells.map(|cell| cell.force.x)) * y;
+        along_y += Lanes(cells.map(|cell| cell.force.y)) * x;
+    }
+    (along_y * SIGN_X - along_x * SIGN_Y).total()
 }
 
 /// Turns the lost or gained torque back in as a hoop force that grows with the radius, in the cells that hold anything.
-fn restore_torque(width: f32, before: f32, cells: &mut [Bristle]) {
-    let missing = before - torque(width, cells);
-    let holding = |(_, cell): &(Vec2, &mut Bristle)| cell.force != Vec2::ZERO;
-    let arms = width * centred(cells).filter(holding).map(|(at, _)| at.length_squared()).sum::<f32>();
-    if arms > 0.0 {
-        centred(cells).filter(holding).for_each(|(at, cell)| cell.force += at.perp() * (missing / arms));
+fn restore_torque(width: f32, before: f32, cells: &mut [[Bristle; IMAGES]]) {
+    let missing = before - width * torque(cells);
+    let mut arms = Lanes::default();
+    for (place, cells) in ORDER.iter().zip(cells.iter()) {
+        arms += holding(cells) * place.distance2();
     }
+    let arms = width * arms.total();
+    if arms <= 0.0 {
+        return;
+    }
+    for (place, cells) in ORDER.iter().zip(cells) {
+        let (x, y) = place.centre();
+        let hoop = holding(cells) * (missing / arms);
+        let (hoop_x, hoop_y) = (hoop * SIGN_Y * -y, hoop * SIGN_X * x);
+        for (image, cell) in cells.iter_mut().enumerate() {
+            cell.force += Vec2::new(hoop_x.0[image], hoop_y.0[image]);
+        }
+    }
+}
+
+/// 1 for a cell that holds a force, 0 for others.
+fn holding(cells: &[Bristle; IMAGES]) -> Lanes {
+    Lanes(cells.map(|cell| if cell.force == Vec2::ZERO { 0.0 } else { 1.0 }))
 }

@@ -93,6 +93,7 @@ pub fn shift(
     let (mut sites, mut pulls) = (Sites::new(), Pulls::new());
     work.load(&cells, held, stored, &mut sites);
     work.guess(likeness(&grid.wanted, &wanted, hold.radius), stored, &mut sites, &mut pulls);
+    work.leave(cells.count, &mut sites, &mut pulls);
     for _ in 0..sweeps {
         // from the middle to the rim, so that no side is first
         for k in 0..cells.count {
@@ -151,6 +152,16 @@ impl<'a> Work<'a> {
             self.take(site, &mut pull, (site.force.0 + change.0 * times, site.force.1 + change.1 * times));
             let _ = pulls.push(pull);
         }
+    }
+
+    /// Counts once and for all what the places beyond the first `count` move by letting go: they lie outside the contact and change no more.
+    fn leave(&self, count: usize, sites: &mut Sites, pulls: &mut Pulls) {
+        let Some(left) = pulls.get(count..).filter(|left| !left.is_empty()) else { return };
+        for (site, row) in sites.iter_mut().zip(&PAIRS).take(count) {
+            let moved = moved(row.get(count..).unwrap_or_default(), left);
+            site.lack = (site.lack.0 - moved.0.crossed(), site.lack.1 - moved.1.crossed());
+        }
+        pulls.truncate(count);
     }
 
     /// Takes the cells of place `k` part of the way to where they lack nothing.
@@ -221,7 +232,7 @@ fn lanes(vectors: [Vec2; IMAGES]) -> Vectors {
 /// How the changes of all places move one, by class. A function of its own: inlined, the compiler turns the lanes about in every round. Four places a round, one after the
 /// other: counting rounds took a fifth of the instructions.
 #[inline(never)]
-fn moved(row: &[Pair; PLACES], pulls: &[Pull]) -> Vectors {
+fn moved(row: &[Pair], pulls: &[Pull]) -> Vectors {
     let (mut x, mut y) = (Lanes::default(), Lanes::default());
     let mut pulled = |pair: &Pair, pull: &Pull| {
         x = x + pair.round * pull.round.0 + pair.long * pull.long.0 + pair.cross * pull.cross.1;
