@@ -58,6 +58,12 @@ impl Place {
         x * x + y * y
     }
 
+    /// Four times the square of that distance, a whole number.
+    pub const fn distance2_4(&self) -> usize {
+        let (x, y) = (2 * self.column + 1, 2 * self.row + 1);
+        x * x + y * y
+    }
+
     /// What the order goes by: the distance, among equals the longer side, then the column; a cell is next to its image in the diagonal.
     const fn rank(&self) -> usize {
         let (i, j) = (self.column, self.row);
@@ -85,6 +91,20 @@ pub const PLACES: usize = within(HALF);
 
 /// The places, from the middle outwards: those of a narrower contact come first.
 pub const ORDER: [Place; PLACES] = order();
+
+/// Centres of the places, in cell widths.
+pub static CENTRES: [(f32, f32); PLACES] = centres();
+
+const fn centres() -> [(f32, f32); PLACES] {
+    let mut centres = [(0.0, 0.0); PLACES];
+    let mut k = 0;
+    // bound: PLACES, when the program is built
+    while k < PLACES {
+        centres[k] = ORDER[k].centre();
+        k += 1;
+    }
+    centres
+}
 
 const fn order() -> [Place; PLACES] {
     let mut sorted = [Place { column: 0, row: 0 }; PLACES];

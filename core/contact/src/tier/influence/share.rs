@@ -9,7 +9,7 @@ use crate::lanes::Lanes;
 use crate::math::{clamp, max, min};
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::grid::Layout;
-use crate::tier::influence::mirror::{HALF, IMAGES, ORDER, Place, SIGN_X, SIGN_Y};
+use crate::tier::influence::mirror::{CENTRES, HALF, IMAGES, ORDER, Place, SIGN_X, SIGN_Y};
 
 /// The quarter of the square, row by row from the middle.
 type Quarter = [[Lanes; HALF]; HALF];
@@ -42,12 +42,12 @@ fn quarter(cells: &[[Bristle; IMAGES]], figure: impl Fn(&Bristle) -> f32) -> Qua
 
 /// The cells of what was shared out: force along x, along y, and slip. A corner of the square that is no place goes to its neighbour towards the middle.
 fn gather(shared: [&Quarter; 3], cells: &mut [[Bristle; IMAGES]]) {
-    let reach = ORDER.get(cells.len().saturating_sub(1)).map_or(0.0, Place::distance2);
+    let reach = ORDER.get(cells.len().saturating_sub(1)).map_or(0, Place::distance2_4);
     for (place, cells) in ORDER.iter().zip(cells) {
         let mut sum = at(shared, place.row, place.column);
         let (mut row, mut column) = (place.row + 1, place.column + 1);
         // bound: HALF steps along the diagonal
-        while row < HALF && column < HALF && (Place { column, row }).distance2() > reach {
+        while row < HALF && column < HALF && (Place { column, row }).distance2_4() > reach {
             let [of_x, of_y, most] = at(shared, row, column);
             sum = [sum[0] + of_x, sum[1] + of_y, sum[2].larger(most)];
             (row, column) = (row + 1, column + 1);
@@ -114,8 +114,7 @@ impl Shares {
 /// Torque about the centre with every cell's force at its centre, over the width of a cell \[N\].
 fn torque(cells: &[[Bristle; IMAGES]]) -> f32 {
     let (mut along_x, mut along_y) = (Lanes::default(), Lanes::default());
-    for (place, cells) in ORDER.iter().zip(cells) {
-        let (x, y) = place.centre();
+    for (&(x, y), cells) in CENTRES.iter().zip(cells) {
         along_x += Lanes(cells.map(|cell| cell.force.x)) * y;
         along_y += Lanes(cells.map(|cell| cell.force.y)) * x;
     }
@@ -126,15 +125,14 @@ fn torque(cells: &[[Bristle; IMAGES]]) -> f32 {
 fn restore_torque(width: f32, before: f32, cells: &mut [[Bristle; IMAGES]]) {
     let missing = before - width * torque(cells);
     let mut arms = Lanes::default();
-    for (place, cells) in ORDER.iter().zip(cells.iter()) {
-        arms += holding(cells) * place.distance2();
+    for (&(x, y), cells) in CENTRES.iter().zip(cells.iter()) {
+        arms += holding(cells) * (x * x + y * y);
     }
     let arms = width * arms.total();
     if arms <= 0.0 {
         return;
     }
-    for (place, cells) in ORDER.iter().zip(cells) {
-        let (x, y) = place.centre();
+    for (&(x, y), cells) in CENTRES.iter().zip(cells) {
         let hoop = holding(cells) * (missing / arms);
         let (hoop_x, hoop_y) = (hoop * SIGN_Y * -y, hoop * SIGN_X * x);
         for (image, cell) in cells.iter_mut().enumerate() {

@@ -14,7 +14,7 @@ use crate::tier::bristle::Bristle;
 use crate::tier::bristle::slip::LEAST_SLIP;
 use crate::tier::influence::cells::{Cells, reached};
 use crate::tier::influence::grid::{Grid, Layout};
-use crate::tier::influence::mirror::{IMAGES, ORDER, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
+use crate::tier::influence::mirror::{CENTRES, IMAGES, PAIRS, PLACES, Pair, SIGN_X, SIGN_Y};
 use crate::tier::influence::table::ALONG;
 use crate::tier::influence::{Elastic, Stored, Trace};
 
@@ -124,8 +124,7 @@ impl<'a> Work<'a> {
         // influence of a cell on itself
         let own = ALONG[0][0] * 2.0 * IMAGES as f32 * self.scale.0;
         let kept = stored.force.as_chunks::<IMAGES>().0.iter().zip(stored.trace.as_chunks::<IMAGES>().0);
-        for (((bristles, traces), place), &load) in kept.zip(&ORDER).zip(&cells.load).take(held) {
-            let (x, y) = place.centre();
+        for (((bristles, traces), &(x, y)), &load) in kept.zip(&CENTRES).zip(&cells.load).take(held) {
             let arm = Vec2::new(x, y) * (self.width * cells.arm);
             let common = self.elastic.common.drag + self.elastic.common.twist * arm.length_squared();
             let force = lanes(bristles.map(|cell| cell.force));
