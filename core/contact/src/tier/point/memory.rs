@@ -103,9 +103,9 @@ impl Memory {
         self.branch().load(curve)
     }
 
-    /// Load after a displacement by `step`; follows nothing.
-    pub fn load_after(&self, curve: &Curve, step: Vec2) -> Vec2 {
-        self.follow(curve, step).load(curve)
+    /// Load after a displacement by `step` from where it is `now`; follows nothing.
+    pub fn load_after(&self, curve: &Curve, now: Vec2, step: Vec2) -> Vec2 {
+        self.follow(curve, now, step).load(curve)
     }
 
     /// Loads of the turning points, oldest first: from nothing to the first, from each to the next, and from the last to the present load.
@@ -119,9 +119,10 @@ impl Memory {
         c * c
     }
 
-    /// Follows a displacement by `step`.
-    pub fn advance(&mut self, curve: &Curve, step: Vec2) {
-        let Branch { len, last, .. } = self.follow(curve, step);
+    /// Follows a displacement by `step` from where the load is `now`; the load there.
+    pub fn advance(&mut self, curve: &Curve, now: Vec2, step: Vec2) -> Vec2 {
+        let branch = self.follow(curve, now, step);
+        let Branch { len, last, .. } = branch;
         for turn in self.turns.iter_mut().take(len) {
             turn.at -= step;
         }
@@ -129,13 +130,14 @@ impl Memory {
         if let Some(place) = self.turns.get_mut(len.wrapping_sub(1)) {
             *place = last;
         }
+        branch.load(curve)
     }
 
     /// The branch after a displacement by `step`: a new one after a reversal, an older one once a loop is closed, the first beyond full slip.
-    fn follow(&self, curve: &Curve, step: Vec2) -> Branch {
+    fn follow(&self, curve: &Curve, now: Vec2, step: Vec2) -> Branch {
         let last = self.last();
         let branch = if step.dot(last.at) > 0.0 {
-            Branch::new((self.len + 1).min(TURNS), Turn { at: Vec2::ZERO - step, load: self.load(curve) })
+            Branch::new((self.len + 1).min(TURNS), Turn { at: Vec2::ZERO - step, load: now })
         } else {
             Branch::new(self.len, last.after(step + astray(last.at, step, scale(self.len - 1) * curve.reach())))
         };
@@ -168,7 +170,10 @@ impl Memory {
             let turn_load = if index == 0 { Vec2::ZERO } else { held(curve, turn.load) };
             let scale = scale(index);
             let (size, along) = polar(load - turn_load);
-            at -= along * (scale * curve.inverse(size / scale));
+            // a patch that is only dragged, or only twisted, asks for no inverse of the other
+            if size > 0.0 {
+                at -= along * (scale * curve.inverse(size / scale));
+            }
             *turn = Turn { at, load: turn_load };
             load = turn_load;
         }
@@ -199,12 +204,13 @@ mod tests {
 
     fn walk(path: &[f32]) -> f32 {
         let mut memory = Memory::default();
-        let mut here = 0.0;
+        let (mut here, mut load) = (0.0, Vec2::ZERO);
         for &goal in path {
-            (0..100).for_each(|_| memory.advance(&CURVE, Vec2::X * ((goal - here) / 100.0)));
+            (0..100).for_each(|_| load = memory.advance(&CURVE, load, Vec2::X * ((goal - here) / 100.0)));
             here = goal;
         }
-        memory.load(&CURVE).x
+        assert_eq!(load, memory.load(&CURVE));
+        load.x
     }
 
     #[test]
@@ -227,9 +233,8 @@ mod tests {
     #[test]
     fn a_rebuilt_memory_carries_the_same_load() {
         let mut memory = Memory::default();
-        memory.advance(&CURVE, Vec2::X * 0.6);
-        memory.advance(&CURVE, Vec2::X * -0.2);
-        let load = memory.load(&CURVE);
+        let load = memory.advance(&CURVE, Vec2::ZERO, Vec2::X * 0.6);
+        let load = memory.advance(&CURVE, load, Vec2::X * -0.2);
         let larger = Curve::Drag { full: 1.5, reach: 1.3, fullness: 2.0 / 3.0 };
         memory.rebuild(&larger, load);
         assert!((memory.load(&larger) - load).length() < 1.0e-5);

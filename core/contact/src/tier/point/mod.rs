@@ -114,8 +114,7 @@ fn pull(curve: &Curve, memory: &mut Memory, now: Vec2, wanted: Vec2, compliance:
     let before = memory.load(curve);
     let share = if compliance > 0.0 { contact_share(curve, memory, before, wanted, compliance) } else { 1.0 };
     let step = wanted * share;
-    memory.advance(curve, step);
-    let load = held(curve, now + (memory.load(curve) - before));
+    let load = held(curve, now + (memory.advance(curve, before, step) - before));
     Pulled { before: now, load, step, pending: wanted - step - (load - now) * compliance }
 }
 
@@ -126,7 +125,7 @@ fn contact_share(curve: &Curve, memory: &Memory, before: Vec2, wanted: Vec2, com
         return 1.0;
     }
     let residual = |share: f32| {
-        let load = memory.load_after(curve, wanted * share);
+        let load = memory.load_after(curve, before, wanted * share);
         (share - 1.0) + compliance * (load - before).dot(wanted) / size2
     };
     let (mut low, mut high) = (0.0, 1.0);
