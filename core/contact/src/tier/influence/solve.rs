@@ -7,7 +7,7 @@
 use glam::Vec2;
 
 use crate::lanes::Lanes;
-use crate::math::{PI, clamp, max, min, root};
+use crate::math::{PI, clamp, min, root};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::Bristle;
@@ -255,15 +255,17 @@ fn moved(row: &[Pair], pulls: &[Pull]) -> Vectors {
 fn cut(hold: &Hold, site: &mut Site, trial: Vectors) -> Vectors {
     let size2 = trial.0 * trial.0 + trial.1 * trial.1;
     let cap2 = site.cap * site.cap;
-    let mut left = Lanes::splat(1.0);
-    for image in 0..IMAGES {
-        if size2.0[image] > cap2.0[image] {
-            let cap = if hold.sharp { hold.mu_d * site.load } else { site.cap.0[image] };
-            site.slipped.0[image] = max(site.slipped.0[image], LEAST_SLIP);
-            site.cap.0[image] = cap;
-            left.0[image] = cap / root(size2.0[image]);
-        }
+    let slides: [bool; IMAGES] = core::array::from_fn(|image| size2.0[image] > cap2.0[image]);
+    if slides == [false; IMAGES] {
+        return trial;
     }
+    let one_of = |slides: [bool; IMAGES], slid: Lanes, stuck: Lanes| {
+        Lanes(core::array::from_fn(|image| if slides[image] { slid.0[image] } else { stuck.0[image] }))
+    };
+    let cap = if hold.sharp { Lanes::splat(hold.mu_d * site.load) } else { site.cap };
+    let left = one_of(slides, cap / size2.roots(), Lanes::splat(1.0));
+    site.slipped = one_of(slides, site.slipped.larger(Lanes::splat(LEAST_SLIP)), site.slipped);
+    site.cap = one_of(slides, cap, site.cap);
     (trial.0 * left, trial.1 * left)
 }
 
