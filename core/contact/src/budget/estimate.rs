@@ -84,7 +84,10 @@ impl Counts<'_> {
 pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u32 {
     let patches = counts.patches.len();
     let neighbours = neighbours(patches);
-    let again = count(passes(counts.patches) - 1).saturating_mul(of_pressing_again(model, counts));
+    let (whole, again) = (passes(counts.patches) - 1, of_pressing_again(model, counts));
+    // the newborn is pressed once more, alone
+    let newborn = if whole > 0 { again / count(patches) } else { 0 };
+    let again = count(whole).saturating_mul(again).saturating_add(newborn);
     let excess = count(patches.saturating_sub(params.max_regions));
     let pairs = counts.pairs(model, None).saturating_add(costs::NEIGHBOUR.saturating_mul(neighbours));
     [pairs, of_table(model, patches), again, costs::EXCESS.saturating_mul(neighbours * excess)]

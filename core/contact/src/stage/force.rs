@@ -14,17 +14,20 @@ use crate::scratch::Contact;
 use crate::stage::deform::dent;
 use crate::stage::ground;
 
-/// Passes over the patches in a tick with a birth: a newborn's neighbours have not felt it yet. Each pass shrinks the coupling's error by the
-/// share a neighbour's dent has of the depth, at most a third for separate patches. Otherwise one pass follows on from the last tick.
-const PASSES_AT_BIRTH: usize = 3;
+/// Passes over the patches in a tick with a birth, after the paper's one-way order for the newborn alone: it feels its neighbours, and then they feel it. Each pass
+/// shrinks the coupling's error by the share a neighbour's dent has of the depth, at most a third for separate patches. Otherwise one pass follows on
+/// from the last tick.
+const PASSES_AT_BIRTH: usize = 2;
 
 /// Sets footprint and body compliance of every patch.
 pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch]) -> Flags {
-    for _ in 0..passes(patches) {
+    let passes = passes(patches);
+    if passes > 1 {
+        press_one(model, params, contacts, patches, patches.len() - 1);
+    }
+    for _ in 0..passes {
         for i in 0..patches.len() {
-            let displaced = displaced_by_others(model, patches, i);
-            let pressed = footprint(model, params, contacts, &patches[i], displaced);
-            patches[i].footprint = Footprint { load: pressed.load * patches[i].share, ..pressed };
+            press_one(model, params, contacts, patches, i);
         }
     }
     let mut flags = Flags::CLEAN;
@@ -37,7 +40,13 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
     flags
 }
 
-/// Passes over the patches in this tick.
+fn press_one(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch], i: usize) {
+    let displaced = displaced_by_others(model, patches, i);
+    let pressed = footprint(model, params, contacts, &patches[i], displaced);
+    patches[i].footprint = Footprint { load: pressed.load * patches[i].share, ..pressed };
+}
+
+/// Passes over all patches in this tick.
 pub fn passes(patches: &[Patch]) -> usize {
     let newborn = patches.last().is_some_and(|patch| patch.footprint == Footprint::NONE);
     if newborn && patches.len() > 1 { PASSES_AT_BIRTH } else { 1 }
@@ -61,10 +70,11 @@ fn yielding(here: &Patch, other: &Patch) -> f32 {
     let b = other.footprint.radius;
     // a newborn has no radius yet: it will be about as wide
     let a = if here.footprint.radius > 0.0 { here.footprint.radius } else { b };
-    let distance = root((here.centre - other.centre).length_squared());
-    if distance >= a + b {
+    let distance2 = (here.centre - other.centre).length_squared();
+    if distance2 >= (a + b) * (a + b) {
         return 1.0;
     }
+    let distance = root(distance2);
     let overlap = min((a + b - distance) / (2.0 * min(a, b)), 1.0);
     let lead = (other.depth - here.depth) / (OWNERSHIP * max(other.depth, here.depth));
     let owned = clamp(0.5 + lead, 0.0, 1.0);
