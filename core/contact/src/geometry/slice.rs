@@ -21,6 +21,8 @@ pub struct Slice {
     pub aspect: f32,
     /// Unit vector along the longer extent in the part's frame, none where the slice is round.
     pub along: Vec3,
+    /// Half sides of a rectangle about the centroid that holds the slice, along `along` and across, [`f32::MAX`] where none is known \[m\].
+    pub within: [f32; 2],
 }
 
 impl Slice {
@@ -28,11 +30,16 @@ impl Slice {
     fn new(area: f32, centroid: Vec3, (length, width): (f32, f32), [along, across]: [Vec3; 2]) -> Self {
         let (long, short, along) = if length >= width { (length, width, along) } else { (width, length, across) };
         let aspect = if short > 0.0 && long.is_finite() { min(long / short, LONGEST) } else { 1.0 };
-        Self { area, centroid, aspect, along }
+        Self { area, centroid, aspect, along, within: [f32::MAX; 2] }
     }
 
     fn round(area: f32, centroid: Vec3) -> Self {
-        Self { area, centroid, aspect: 1.0, along: Vec3::ZERO }
+        Self { area, centroid, aspect: 1.0, along: Vec3::ZERO, within: [f32::MAX; 2] }
+    }
+
+    /// The same, known to keep within a rectangle of these half sides about its centroid \[m\].
+    fn within(self, half: [f32; 2]) -> Self {
+        Self { within: half, ..self }
     }
 }
 
@@ -205,14 +212,16 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let far = disc(length);
     let stadium = 0.5 * cap + strip + 0.5 * PI * far * far;
     if stadium <= cap {
-        return Slice::round(cap, end + d * (radius - z));
+        return Slice::round(cap, end + d * (radius - z)).within([disc(0.0) + length * tilt.sin; 2]);
     }
     // the centroid leaves the end as the stadium outgrows the cap, without a step
     let lead = min((stadium - cap) / (0.5 * cap), 1.0);
     let along = lead * (moment + 0.5 * PI * far * far * length) / stadium;
     let centroid = end + tilt.axis * along + d * (along * tilt.cos + radius - z);
     let level = direction(tilt.axis - d * tilt.axis.dot(d), Vec3::X);
-    Slice::new(stadium, centroid, (disc(0.0) + length * tilt.sin + far, 2.0 * disc(0.0)), [level, d.cross(level)])
+    let (wide, along) = (disc(0.0), along * tilt.sin);
+    let half = max(along, length * tilt.sin - along) + wide;
+    Slice::new(stadium, centroid, (wide + length * tilt.sin + far, 2.0 * wide), [level, d.cross(level)]).within([half, wide])
 }
 
 /// Corners a slice of a box may have while it is clipped: a square and one more for each of six cuts.
