@@ -2,7 +2,6 @@
 
 use crate::lanes::Lanes;
 use crate::limits::MAX_BRISTLES;
-use crate::math::sqrt;
 use crate::patch::Shift;
 use crate::tier::Hold;
 use crate::tier::bristle::ring::{Ring, Rings};
@@ -118,34 +117,33 @@ impl Quad {
 
     /// What the bristles hold if the patch shifts by `felt`. A function of its own, as is [`lost`](Self::lost): inlined, the compiler mixes the lanes with the
     /// sums that are made of them.
-    #[inline(never)]
+    #[inline]
     pub fn moved(&self, felt: Shift) -> Moved {
         let hoop = self.twist * felt.twist;
         let x = self.force.0 + self.drag * felt.drag.x - self.radial.1 * hoop;
         let y = self.force.1 + self.drag * felt.drag.y + self.radial.0 * hoop;
         let (size2, cap2) = (x * x + y * y, self.cap * self.cap);
-        let sticks: [bool; BRISTLES] = core::array::from_fn(|i| size2.0[i] <= cap2.0[i]);
-        let unless = |sticks: [bool; BRISTLES], stuck: f32, slid: Lanes| {
-            Lanes(core::array::from_fn(|i| if sticks[i] { stuck } else { slid.0[i] }))
-        };
-        // of one that sticks it is not needed, but must be no zero to divide by
-        let size = Lanes(core::array::from_fn(|i| if sticks[i] { 1.0 } else { sqrt(size2.0[i]) }));
-        let one = Lanes::splat(1.0);
-        let (trial, over, scale) =
-            (unless(sticks, 0.0, size), unless(sticks, 0.0, one / size), unless(sticks, 1.0, self.cut / size));
-        let along = (x * over, y * over);
-        let held = |stuck: Lanes, along: Lanes| {
-            let slid = along * self.cut;
-            Lanes(core::array::from_fn(|i| if trial.0[i] > 0.0 { slid.0[i] } else { stuck.0[i] }))
-        };
-        let force = (held(x, along.0), held(y, along.1));
-        let torque = self.arm * (self.radial.0 * force.1 - self.radial.1 * force.0);
-        Moved { force, torque, trial, scale, along }
+        let (none, one) = (Lanes::default(), Lanes::splat(1.0));
+        if (size2 - cap2).larger(none) == none {
+            return Moved { force: (x, y), torque: self.torque(x, y), trial: none, scale: one, along: (none, none) };
+        }
+        // 1 of one that slides, 0 of one that sticks, whose size is not needed, but must be no zero to divide by
+        let slides = Lanes(core::array::from_fn(|i| if size2.0[i] > cap2.0[i] { 1.0 } else { 0.0 }));
+        let sticks = one - slides;
+        let size = (size2 * slides + sticks).roots();
+        let over = slides / size;
+        let (trial, scale, along) = (size * slides, self.cut * over + sticks, (x * over, y * over));
+        let force = (x * sticks + along.0 * self.cut, y * sticks + along.1 * self.cut);
+        Moved { force, torque: self.torque(force.0, force.1), trial, scale, along }
+    }
+
+    /// Torque of forces about the centre \[N m\].
+    fn torque(&self, x: Lanes, y: Lanes) -> Lanes {
+        self.arm * (self.radial.0 * y - self.radial.1 * x)
     }
 
     /// What the bristles lose by sliding along the unit vectors n: k (1 - Pi) with Pi = scale (1 - n n^T), scale = cap/|trial|; nothing of those
     /// that stick, with n = 0 and scale 1.
-    #[inline(never)]
     pub fn lost(&self, moved: &Moved) -> Lost {
         let Moved { scale, along: (x, y), .. } = *moved;
         let cut = Lanes::splat(1.0) - scale;
