@@ -49,6 +49,10 @@ const LEAST_MOTION: f32 = 5.0e-7;
 /// What is missing counts from this share of the known stiffness on; below, curvature and rounding make it.
 const LEAST_SHARE: f32 = 0.1;
 
+/// Least fullness that tells a shape: that of a radius that grows with the square of the depth, the steepest of an overlap's polynomials. A patch that begins short of its full
+/// depth, as one that has just reached over an edge, has less, and none to the last digit: its load and its fullness then come from what the polynomials are off.
+const LEAST_FULLNESS: f32 = 1.0 / 3.0;
+
 impl Linear {
     /// Measures, from the last motion of the probe and the wrench it lost by it, whether the contact is stiffer than its patches say, and adds
     /// the shortfall r r^T / (r . s) (the symmetric rank-one secant update) to what was `missing` before.
@@ -124,11 +128,41 @@ fn along_normal(model: &Model<'_>, params: &Params, patch: &Patch) -> f32 {
         return max(high - low, 0.0) / (2.0 * step);
     }
     // a long footprint is stiffer than its disc of equal area: P / (rho depth) has that factor
-    let shape = patch.footprint.load / (patch.footprint.fullness * patch.depth);
+    let shape = patch.footprint.load / (max(patch.footprint.fullness, LEAST_FULLNESS) * patch.depth);
     max(2.0 * model.material.contact_modulus() * patch.footprint.radius, shape)
 }
 
 /// Stiffness `k` in series with the compliance `c`.
 fn series(k: f32, c: f32) -> f32 {
     k / (1.0 + c * k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::footprint::Footprint;
+    use crate::patch::Patch;
+    use crate::{Material, ModelSpec, ObjectShape, ParamsSpec, ProbePart, ProbeShape};
+
+    /// A sliver that begins at its full depth has no fullness; its stiffness is that of its disc, or of as much load as the steepest overlap carries.
+    #[test]
+    fn a_patch_without_fullness_is_as_stiff_as_its_disc() {
+        let material = Material { young_modulus: 1.5e4, poisson_ratio: 0.5, density: 1.0e3 };
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 1.0e-5 })];
+        let model = Model::new(&ModelSpec::new(ObjectShape::HalfSpace, material, &ball)).unwrap();
+        let params = Params::new(&ParamsSpec::default()).unwrap();
+        let disc = 2.0 * material.contact_modulus() * 4.7e-11;
+        for (fullness, load, expected) in [
+            (0.0, 2.4e-16, disc),
+            (1.0e-30, 2.4e-16, disc),
+            (0.0, 1.0e-12, 3.0 * 1.0e-12 / 2.0e-8),
+            (0.5, 1.0e-12, 2.0 * 1.0e-12 / 2.0e-8),
+        ] {
+            let footprint = Footprint { radius: 4.7e-11, load, fullness, aspect: 1.7, large_strain: false };
+            let patch = Patch { depth: 2.0e-8, footprint, ..Patch::born(0, 0, 0, Vec3::ZERO, Vec3::Z) };
+            let Stiffness { normal, drag, twist, tilt } = stiffness(&model, &params, &patch, 1.0);
+            assert!((normal / expected - 1.0).abs() < 1.0e-5, "fullness {fullness}: {normal} {expected}");
+            assert!(drag > 0.0 && drag.is_finite() && twist.is_finite() && tilt == 0.0);
+        }
+    }
 }
