@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::green::kernel::{Load, bent_drag};
 use crate::green::{Block, Green};
 use crate::math::{PI, clamp, ln, max, min, perpendicular, root};
-use crate::model::{Compliance, Model, ObjectShape};
+use crate::model::{Compliance, Material, Model, ObjectShape};
 
 /// Section and length of the beam from the contact to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,20 +30,16 @@ pub fn compliance(model: &Model<'_>, p_wc: Vec3, n: Vec3, a: f32, curvature: f32
     if let Some(green) = model.table() {
         return by_table(&own(model, green, p_wc, n, a, curvature), n);
     }
-    let g = model.material.shear_modulus();
-    let nu = model.material.poisson_ratio;
-    let height = max(p_wc.z - model.fixed_below, 0.0);
     let object = stand_in(&model.object);
-    match object {
-        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => Compliance::default(),
-        ObjectShape::Box { size } => between(top_of_box(size, height, g, nu, a), side(&box_beam(size, height), g, nu), n),
-        ObjectShape::Cylinder { radius, .. } => {
-            let beam = ellipse_beam(radius, radius, height);
-            between(top_of_cylinder(radius, height, g, nu), side(&beam, g, nu), n)
-        }
-        ObjectShape::Sphere { radius } => of_round(Vec3::splat(radius), height, g, nu, n, a),
-        ObjectShape::Ellipsoid { semi_axes } => of_round(semi_axes, height, g, nu, n, a),
+    let height = max(p_wc.z - model.fixed_below, 0.0);
+    let Some(beam) = beam_under(&object, height) else { return Compliance::default() };
+    let (up, side) = (upright(n), || side(&beam, &model.material));
+    // only what counts, and both where the normal is neither up nor level
+    if up <= 0.0 {
+        return side();
     }
+    let top = top(&object, height, &model.material, a);
+    if up >= 1.0 { top } else { between(top, side(), up) }
 }
 
 /// Drag compliance that patches share at a patch with centre `p_wc`, outward normal `n` and mean curvature `curvature`: what is beyond the closed form that the curvature gives.
@@ -145,12 +141,27 @@ pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
     match model.compliance {
         Some(given) => given.normal,
         None if n.z >= LEVEL && model.table().is_none() => 0.0,
-        None => compliance(model, p_wc, n, 0.0, 0.0).normal,
+        None if model.table().is_some() => compliance(model, p_wc, n, 0.0, 0.0).normal,
+        None => {
+            let beam = beam_under(&stand_in(&model.object), max(p_wc.z - model.fixed_below, 0.0));
+            // a top gives none
+            beam.map_or(0.0, |beam| (1.0 - upright(n)) * (SIDE.normal * lateral(&beam, &model.material)))
+        }
     }
 }
 
 /// Above this z a normal counts as straight up; the sideways part is then below 0.1 %.
 const LEVEL: f32 = 0.999_999_5;
+
+/// The beam from the base up to `height`; none under a body that has no base.
+fn beam_under(object: &ObjectShape<'_>, height: f32) -> Option<Beam> {
+    match *object {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => None,
+        ObjectShape::Box { size } => Some(box_beam(size, height)),
+        ObjectShape::Cylinder { radius, .. } | ObjectShape::Sphere { radius } => Some(ellipse_beam(radius, radius, height)),
+        ObjectShape::Ellipsoid { semi_axes } => Some(ellipse_beam(semi_axes.x, semi_axes.y, height)),
+    }
+}
 
 fn box_beam(size: Vec3, length: f32) -> Beam {
     let (wide, thin) = (max(size.x, size.y), min(size.x, size.y));
@@ -167,9 +178,13 @@ fn ellipse_beam(ax: f32, ay: f32, length: f32) -> Beam {
     Beam { length, area: PI * ax * ay, torsion, bending }
 }
 
-/// Compliance where the normal is neither up nor level: by the square of its height.
-fn between(top: Compliance, side: Compliance, n: Vec3) -> Compliance {
-    let up = clamp(n.z * n.z, 0.0, 1.0);
+/// How much of the top's compliance a patch with normal `n` has: the square of the normal's height.
+fn upright(n: Vec3) -> f32 {
+    clamp(n.z * n.z, 0.0, 1.0)
+}
+
+/// Compliance of which `up` is the top's.
+fn between(top: Compliance, side: Compliance, up: f32) -> Compliance {
     let mix = |top: f32, side: f32| up * top + (1.0 - up) * side;
     Compliance { normal: mix(top.normal, side.normal), drag: mix(top.drag, side.drag), twist: mix(top.twist, side.twist) }
 }
@@ -193,27 +208,54 @@ const CYLINDER_DRAG: [DragRow; 4] = [
     (0.5, [-0.0632, 0.4186, -0.3063]),
 ];
 
-/// Drag compliance of a column of height `h` with bending coefficient `cubic`; 0 for bodies so flat that the half space counts more than all of it.
-fn column_drag(rows: &[DragRow; 4], cubic: f32, nu: f32, h: f32) -> f32 {
-    let at = |[square, linear, constant]: [f32; 3]| max(cubic * h * h * h + square * h * h + linear * h + constant, 0.0);
-    let mut drag = at(rows[0].1);
-    for pair in rows.windows(2) {
-        if let [(low, first), (high, second)] = *pair
-            && nu >= low
-        {
-            let share = min((nu - low) / (high - low), 1.0);
-            drag = at(first) + (at(second) - at(first)) * share;
+/// Drag compliance of a column over its height: cubics at two Poisson's ratios and the share of the way between them.
+struct Column {
+    cubic: f32,
+    low: [f32; 3],
+    high: [f32; 3],
+    share: f32,
+}
+
+impl Column {
+    /// The column of `rows` with bending coefficient `cubic`, at Poisson's ratio `nu`.
+    fn new(rows: &[DragRow; 4], cubic: f32, nu: f32) -> Self {
+        let mut column = Self { cubic, low: rows[0].1, high: rows[0].1, share: 0.0 };
+        for pair in rows.windows(2) {
+            if let [(from, low), (to, high)] = *pair
+                && nu >= from
+            {
+                column = Self { cubic, low, high, share: min((nu - from) / (to - from), 1.0) };
+            }
         }
+        column
     }
-    drag
+
+    /// At height `h`; 0 for bodies so flat that the half space counts more than all of it.
+    fn drag(&self, h: f32) -> f32 {
+        let at = |[square, linear, constant]: [f32; 3]| max(self.cubic * h * h * h + square * h * h + linear * h + constant, 0.0);
+        let (low, high) = (at(self.low), at(self.high));
+        low + (high - low) * self.share
+    }
 }
 
 /// C_theta G b^3 of the square column is 7.088 h/b less this, which meets the cube's 4.75; finite elements, 1 % for h/b >= 1.
 const SQUARE_TWIST_OFF: f32 = 2.338;
 
+/// Top of a body, under a patch of radius `a`.
+fn top(object: &ObjectShape<'_>, height: f32, material: &Material, a: f32) -> Compliance {
+    match *object {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => Compliance::default(),
+        ObjectShape::Box { size } => top_of_box(size, height, material, a),
+        ObjectShape::Cylinder { radius, .. } => top_of_cylinder(radius, height, material),
+        ObjectShape::Sphere { radius } => top_of_round(Vec3::splat(radius), height, material, a),
+        ObjectShape::Ellipsoid { semi_axes } => top_of_round(semi_axes, height, material, a),
+    }
+}
+
 /// Top of a box: the square column of the same section area, scaled by what the rectangle's beam has more than the square's; the cube meets its
 /// calibration C_t G b = (1.79 + (0.5 - nu))(1 - 1.75 (a/b)^2) exactly.
-fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
+fn top_of_box(size: Vec3, height: f32, material: &Material, a: f32) -> Compliance {
+    let (g, nu) = (material.shear_modulus(), material.poisson_ratio);
     let b = root(size.x * size.y);
     // at the held plane both beams have no length, and their quotient is that of the least one
     let length = max(height, LEAST_LENGTH * b);
@@ -222,9 +264,9 @@ fn top_of_box(size: Vec3, height: f32, g: f32, nu: f32, a: f32) -> Compliance {
     let ratio = min(a / min(size.x, size.y), WIDEST);
     // the half-space part of a wide patch already holds part of the body
     let overlap = 1.0 - OVERLAP * ratio * ratio;
-    let drag = |h: f32| column_drag(&SQUARE_DRAG, 2.0 / (1.0 + nu), nu, h);
-    let calibrated = (1.79 + (0.5 - nu)) / drag(1.0) * drag(h) * overlap / (g * b);
-    let drag = calibrated * lateral(&beam, g, nu) / lateral(&square, g, nu);
+    let column = Column::new(&SQUARE_DRAG, 2.0 / (1.0 + nu), nu);
+    let calibrated = (1.79 + (0.5 - nu)) / column.drag(1.0) * column.drag(h) * overlap / (g * b);
+    let drag = calibrated * lateral(&beam, material) / lateral(&square, material);
     Compliance { normal: 0.0, drag, twist: box_twist(size, height, g) }
 }
 
@@ -238,9 +280,10 @@ fn box_twist(size: Vec3, height: f32, g: f32) -> f32 {
 }
 
 /// Top of an upright cylinder; C_theta G R^3 = 2/pi h/R - 0.385 within 0.1 % of finite elements for h >= R.
-fn top_of_cylinder(radius: f32, height: f32, g: f32, nu: f32) -> Compliance {
+fn top_of_cylinder(radius: f32, height: f32, material: &Material) -> Compliance {
+    let (g, nu) = (material.shear_modulus(), material.poisson_ratio);
     let h = height / radius;
-    let drag = column_drag(&CYLINDER_DRAG, 4.0 / (6.0 * PI * (1.0 + nu)), nu, h);
+    let drag = Column::new(&CYLINDER_DRAG, 4.0 / (6.0 * PI * (1.0 + nu)), nu).drag(h);
     Compliance { normal: 0.0, drag: drag / (g * radius), twist: cylinder_twist(radius, height, g) }
 }
 
@@ -253,15 +296,16 @@ fn cylinder_twist(radius: f32, height: f32, g: f32) -> f32 {
 const SIDE: Compliance = Compliance { normal: 0.643, drag: 1.30, twist: 0.79 };
 
 /// Side of a column: the cantilever up to the contact.
-fn side(beam: &Beam, g: f32, nu: f32) -> Compliance {
-    let e = 2.0 * (1.0 + nu) * g;
-    let (lateral, axial) = (lateral(beam, g, nu), beam.length / (e * beam.area));
+fn side(beam: &Beam, material: &Material) -> Compliance {
+    let e = 2.0 * (1.0 + material.poisson_ratio) * material.shear_modulus();
+    let (lateral, axial) = (lateral(beam, material), beam.length / (e * beam.area));
     let twist = beam.length / (e * min(beam.bending.0, beam.bending.1));
     Compliance { normal: SIDE.normal * lateral, drag: SIDE.drag * 0.5 * (lateral + axial), twist: SIDE.twist * twist }
 }
 
 /// Shear and bending of the cantilever, mean of the two directions \[m/N\].
-fn lateral(beam: &Beam, g: f32, nu: f32) -> f32 {
+fn lateral(beam: &Beam, material: &Material) -> f32 {
+    let (g, nu) = (material.shear_modulus(), material.poisson_ratio);
     let e = 2.0 * (1.0 + nu) * g;
     let bend = beam.length * beam.length * beam.length / (3.0 * e);
     beam.length / (g * beam.area) + 0.5 * (bend / beam.bending.0 + bend / beam.bending.1)
@@ -274,18 +318,15 @@ const SPHERE_TWIST: f32 = 1.15;
 const ROUND_HEIGHT: f32 = 1.75;
 
 /// Sphere and ellipsoid. Twist: the beam with the equator's section, scaled to the sphere. Drag: fit over six shapes, 5 % of finite elements.
-fn of_round(semi_axes: Vec3, height: f32, g: f32, nu: f32, n: Vec3, a: f32) -> Compliance {
+fn top_of_round(semi_axes: Vec3, height: f32, material: &Material, a: f32) -> Compliance {
+    let (g, nu) = (material.shear_modulus(), material.poisson_ratio);
     let beam = ellipse_beam(semi_axes.x, semi_axes.y, height);
     let full = ellipse_beam(semi_axes.x, semi_axes.y, ROUND_HEIGHT * semi_axes.z);
     let drag = 0.5
         * (round_drag(semi_axes.x, semi_axes.y, semi_axes.z, nu, a) + round_drag(semi_axes.y, semi_axes.x, semi_axes.z, nu, a))
         / g;
-    let top = Compliance {
-        normal: 0.0,
-        drag: drag * lateral(&beam, g, nu) / lateral(&full, g, nu),
-        twist: round_twist(semi_axes, height, g),
-    };
-    between(top, side(&beam, g, nu), n)
+    let drag = drag * lateral(&beam, material) / lateral(&full, material);
+    Compliance { normal: 0.0, drag, twist: round_twist(semi_axes, height, g) }
 }
 
 fn round_twist(semi_axes: Vec3, height: f32, g: f32) -> f32 {
@@ -307,13 +348,35 @@ fn round_drag(p: f32, q: f32, c: f32, nu: f32, a: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Material, ModelSpec, ProbePart, ProbeShape};
+    use crate::model::{ModelSpec, ProbePart, ProbeShape};
 
     fn at_top(object: ObjectShape<'_>, nu: f32, a: f32) -> Compliance {
         let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };
         let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
         let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();
         compliance(&model, Vec3::Z * object.height(), Vec3::Z, a, 0.0)
+    }
+
+    #[test]
+    fn the_compliance_along_the_normal_is_the_normal_part_of_the_whole() {
+        let cylinder = ObjectShape::Cylinder { radius: 0.04, height: 0.1 };
+        let bodies = [
+            ObjectShape::Box { size: Vec3::new(0.1, 0.08, 0.12) },
+            cylinder,
+            ObjectShape::Sphere { radius: 0.05 },
+            ObjectShape::HalfSpace,
+        ];
+        for object in bodies {
+            let material = Material { young_modulus: 3.0e6, poisson_ratio: 0.45, density: 1100.0 };
+            let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+            let model = Model::new(&ModelSpec::new(object, material, &ball)).unwrap();
+            for n in [Vec3::X, Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.8, 0.6), Vec3::NEG_Z] {
+                let place = Vec3::new(0.01, 0.0, 0.07);
+                let whole = compliance(&model, place, n, 0.005, 20.0).normal;
+                assert_eq!(normal(&model, place, n), whole, "{object:?} {n}");
+                assert_eq!(whole > 0.0, n.z.abs() < 1.0 && object != ObjectShape::HalfSpace, "{object:?} {n}");
+            }
+        }
     }
 
     #[test]
