@@ -36,9 +36,7 @@ pub struct Discs {
 struct Four {
     centre: Vectors,
     normal: Vectors,
-    /// Radius of the disc, and of the patch, which may have none \[m\].
     radius: Lanes,
-    extent: Lanes,
     height: Lanes,
     dragged: Lanes,
     turned: Lanes,
@@ -73,16 +71,16 @@ impl Discs {
         self.len = 0;
     }
 
-    /// Takes up the disc of the next patch, whose own radius is `extent` \[m\], and its load.
-    pub fn push(&mut self, disc: &Disc, extent: f32, load: &Load) {
+    /// Takes up the disc of the next patch and its load.
+    pub fn push(&mut self, disc: &Disc, load: &Load) {
         let (block, lane) = (self.len / LANES, self.len % LANES);
         if lane == 0 {
             (self.poisson, self.base, self.lateral) = (disc.poisson, disc.base, disc.lateral);
             (self.unit, self.sinking) = (disc.unit, disc.unit * disc.sinking);
-            let _ = self.blocks.push(Four::all(disc, extent));
+            let _ = self.blocks.push(Four::all(disc));
         }
         if let Some(four) = self.blocks.get_mut(block) {
-            four.set(lane, disc, extent);
+            four.set(lane, disc);
             four.load(lane, load);
         }
         self.len += 1;
@@ -115,8 +113,7 @@ impl Discs {
         let offset = [p.x - four.centre[0], p.y - four.centre[1], p.z - four.centre[2]];
         let rise = dot(&offset, &four.normal);
         let level = [offset[0] - four.normal[0] * rise, offset[1] - four.normal[1] * rise, offset[2] - four.normal[2] * rise];
-        let least = (four.extent + Lanes::splat(place.radius)).larger(Lanes::splat(f32::MIN_POSITIVE));
-        let distance = dot(&offset, &offset).roots().larger(least);
+        let distance = dot(&offset, &offset).roots().larger(four.radius + Lanes::splat(place.radius));
         let near = Lanes::splat(1.0) / distance;
         let [along, across, swirl] = self.fields(four, distance, near);
         let ahead = dot(&level, &four.force) * near * near;
@@ -155,13 +152,12 @@ impl Discs {
 
 impl Four {
     /// Four times the same disc without a load.
-    fn all(disc: &Disc, extent: f32) -> Self {
+    fn all(disc: &Disc) -> Self {
         let splat = |v: Vec3| [Lanes::splat(v.x), Lanes::splat(v.y), Lanes::splat(v.z)];
         Self {
             centre: splat(disc.centre),
             normal: splat(disc.normal),
             radius: Lanes::splat(disc.radius),
-            extent: Lanes::splat(extent),
             height: Lanes::splat(disc.height),
             dragged: Lanes::splat(disc.dragged),
             turned: Lanes::splat(disc.turned),
@@ -171,12 +167,12 @@ impl Four {
         }
     }
 
-    fn set(&mut self, lane: usize, disc: &Disc, extent: f32) {
+    fn set(&mut self, lane: usize, disc: &Disc) {
         put(&mut self.centre, lane, disc.centre);
         put(&mut self.normal, lane, disc.normal);
-        let figures = [disc.radius, extent, disc.height, disc.dragged, disc.turned, disc.curvature];
-        let Self { radius, extent, height, dragged, turned, curvature, .. } = self;
-        for (lanes, figure) in [radius, extent, height, dragged, turned, curvature].into_iter().zip(figures) {
+        let figures = [disc.radius, disc.height, disc.dragged, disc.turned, disc.curvature];
+        let Self { radius, height, dragged, turned, curvature, .. } = self;
+        for (lanes, figure) in [radius, height, dragged, turned, curvature].into_iter().zip(figures) {
             lanes.0[lane % LANES] = figure;
         }
     }

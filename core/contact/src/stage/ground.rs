@@ -51,11 +51,14 @@ pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Groun
     for patch in patches {
         let ground = Ground::of(model, patch, alone);
         if let (Some(disc), None) = (&ground.disc, model.table()) {
-            discs.push(disc, ground.radius, &ground.held);
+            discs.push(disc, &ground.held);
         }
         let _ = grounds.push(ground);
     }
 }
+
+/// Contact radius up to which a patch has no extent \[m\]: a hundredth of an atom. Third powers of it and of one over it, times any modulus, stay within an f32.
+const LEAST_EXTENT: f32 = 1.0e-12;
 
 impl Ground {
     fn of(model: &Model<'_>, patch: &Patch, alone: bool) -> Self {
@@ -63,8 +66,8 @@ impl Ground {
         let table = model.table();
         let torsion = if table.is_some() { 0.0 } else { body::torsion(model, place) };
         let by_beam = table.is_none() && !alone;
-        // a patch without extent holds nothing; its disc needs a radius all the same
-        let extent = if radius > 0.0 { radius } else { 1.0 };
+        // a patch without extent holds nothing; its disc needs a radius all the same, since two of them on one corner are no distance apart
+        let extent = if radius > LEAST_EXTENT { radius } else { 1.0 };
         Self {
             place,
             radius,
@@ -169,4 +172,43 @@ fn by_beam(grounds: &[Ground], discs: &Discs, ground: &Ground, normal: Vec3, i: 
 /// Arm of a place about the body's vertical axis \[m\].
 fn arm(place: Vec3) -> Vec3 {
     Vec3::new(place.x, place.y, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::footprint::Footprint;
+    use crate::{Material, ModelSpec, ProbePart, ProbeShape};
+    use glam::Vec2;
+
+    /// Parts that just begin to reach over a box's corner touch it at the same point, with no area yet, or next to none: they move neither each other nor
+    /// what lies beside them.
+    #[test]
+    fn patches_without_extent_on_one_corner_leave_the_ground_where_it_is() {
+        for (young_modulus, edge) in [(2.2e11, 5.909_602_4e-6), (1.0e2, 1.0e-5), (1.0e12, 1.0e2)] {
+            let material = Material { young_modulus, poisson_ratio: 0.277_522_4, density: 1.0e3 };
+            let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.5 * edge })];
+            let cube = ObjectShape::Box { size: Vec3::splat(edge) };
+            let model = Model::new(&ModelSpec::new(cube, material, &ball)).unwrap();
+            let corner = Vec3::new(-0.5 * edge, -0.5 * edge, edge);
+            for radius in [0.0, 1.0e-20, 1.0e-13] {
+                let bare = |part: u8, normal: Vec3| Patch {
+                    footprint: Footprint { radius, ..Footprint::NONE },
+                    ..Patch::born(part, part, 0, corner, normal.normalize())
+                };
+                let held = Patch {
+                    footprint: Footprint { radius: 0.1 * edge, load: 1.0, ..Footprint::NONE },
+                    ..Patch::born(2, 2, 0, Vec3::Z * edge, Vec3::Z)
+                };
+                let patches = [bare(0, Vec3::new(-0.33, -0.72, 0.61)), bare(1, Vec3::new(-0.53, -0.48, 0.7)), held];
+                let mut grounds = heapless::Vec::<Ground, 3>::new();
+                let mut discs = Discs::new();
+                prepare(&model, &patches, &mut grounds, &mut discs);
+                for i in 0..patches.len() {
+                    let found = moved(&model, &grounds, &discs, &patches, i);
+                    assert_eq!((found.drag, found.twist), (Vec2::ZERO, 0.0), "E {young_modulus}, radius {radius}, patch {i}");
+                }
+            }
+        }
+    }
 }
