@@ -58,19 +58,21 @@ impl Profile {
 
     /// Softness in drag and in twist of a bristle at r = `q` a, q in 0..=1: the shift at which it slips in units of mu P/K_t, and the hoop shift
     /// over a in units of mu P a/K_theta.
+    #[inline(always)]
     pub fn softness(self, q: f32) -> (f32, f32) {
         let [drag, twist] = self.columns::<0, 2>(q);
         (drag, twist)
     }
 
     /// What lies inside r = `q` a, q in 0..=1.
+    #[inline(always)]
     pub fn inside(self, q: f32) -> Inside {
         let [load, torque, drag_stick, twist_stick] = self.columns::<2, 4>(q);
         Inside { load, torque, drag_stick, twist_stick }
     }
 
     /// `N` columns of the tables from column `FIRST` on.
-    #[inline]
+    #[inline(always)]
     fn columns<const FIRST: usize, const N: usize>(self, q: f32) -> [f32; N] {
         let place = INTERVALS as f32 * root(1.0 - q * q);
         // by way of 32 bits, to which a float goes in fewer instructions

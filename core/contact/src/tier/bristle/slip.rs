@@ -58,8 +58,12 @@ pub fn shift(
     let mut quads = Quads::new();
     quad::lay_out(hold, layout, rings, bristles, &mut quads);
     let mut felt = stuck.solve(common, wanted);
-    for _ in 1..PASSES {
+    for pass in 1..PASSES {
         let trial = probe(&quads, felt, stuck);
+        if pass == 1 && !trial.slides {
+            // it began from the stiffness of full stick, which is theirs: the shift is found
+            break;
+        }
         let rest = rest_of(common, wanted, felt, trial.force - before.force, trial.torque - before.torque);
         felt = felt + trial.stiffness.solve(common, rest);
     }
@@ -77,6 +81,8 @@ fn rest_of(common: &Common, wanted: Shift, felt: Shift, force: Vec2, torque: f32
 struct Trial {
     force: Vec2,
     torque: f32,
+    /// Some bristle slides.
+    slides: bool,
     stiffness: Stiffness,
 }
 
@@ -96,7 +102,7 @@ fn probe(quads: &Quads, felt: Shift, stuck: Stiffness) -> Trial {
         stiffness.soften(&lost);
     }
     let (force, torque) = sum.total();
-    Trial { force, torque, stiffness }
+    Trial { force, torque, slides, stiffness }
 }
 
 /// What bristles hold, the first of all quads side by side with the second, the third and the fourth.
