@@ -1,5 +1,6 @@
 //! Which places of a grid lie in the contact, and what load each of their cells carries.
 
+use crate::lanes::Lanes;
 use crate::math::{ln, min, root};
 use crate::profile::{FULLNESS_CONE, FULLNESS_HERTZ, FULLNESS_PUNCH};
 use crate::tier::Hold;
@@ -63,31 +64,39 @@ fn around(fullness: f32, place: Place, step: f32) -> f32 {
     let (x, y) = place.centre();
     let (far_x, far_y) = (step * (x + 0.5), step * (y + 0.5));
     let smooth = far_x * far_x + far_y * far_y < SMOOTH && (place != ORDER[0] || fullness >= FULLNESS_HERTZ);
-    let sum = |points: &[f32]| {
-        let across = |px: f32| points.iter().map(|py| pressure(fullness, px, step * (y + py))).sum::<f32>();
-        points.iter().map(|px| across(step * (x + px))).sum::<f32>() / (points.len() * points.len()) as f32
-    };
-    if smooth { sum(&GAUSS_2) } else { sum(&MIDPOINTS) }
+    let four = |at_x: Lanes, at_y: Lanes| pressure(fullness, (x + at_x) * step, (y + at_y) * step);
+    if smooth {
+        return 0.25 * four(GAUSS_X, GAUSS_Y).total();
+    }
+    let rows = MIDPOINTS.map(|at| four(Lanes::splat(at), Lanes(MIDPOINTS)));
+    ((rows[0] + rows[1]) + (rows[2] + rows[3])).total() / (POINTS * POINTS) as f32
 }
+
+/// Gauss's points of a cell.
+const GAUSS_X: Lanes = Lanes([GAUSS_2[0], GAUSS_2[0], GAUSS_2[1], GAUSS_2[1]]);
+const GAUSS_Y: Lanes = Lanes([GAUSS_2[0], GAUSS_2[1], GAUSS_2[0], GAUSS_2[1]]);
 
 /// Midpoints of `POINTS` parts of -1/2..1/2.
 const MIDPOINTS: [f32; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
-/// Pressure over P/(pi a^2) at (x, y), in contact radii: the mixture of cone, paraboloid and punch of the profile's fullness.
-fn pressure(fullness: f32, x: f32, y: f32) -> f32 {
+/// Pressure over P/(pi a^2) at (x, y), in contact radii: the mixture of cone, paraboloid and punch of the profile's fullness. 0 outside the contact.
+fn pressure(fullness: f32, x: Lanes, y: Lanes) -> Lanes {
     let q2 = x * x + y * y;
-    if q2 >= 1.0 {
-        return 0.0;
-    }
-    let x = root(1.0 - q2);
-    let hertz = 1.5 * x;
+    let x = (Lanes::splat(1.0) - q2).larger(Lanes::default()).roots();
+    let hertz = x * 1.5;
     if fullness == FULLNESS_HERTZ {
         return hertz;
     }
+    // a point outside, of which x is 0, has none of the others either
+    let inside = |of: fn(f32, f32) -> f32| {
+        let ([a, b, c, d], [e, f, g, h]) = (x.0, q2.0);
+        let one = |x: f32, q2: f32| if x > 0.0 { of(x, q2) } else { 0.0 };
+        Lanes([one(a, e), one(b, f), one(c, g), one(d, h)])
+    };
     if fullness < FULLNESS_HERTZ {
-        let cone = ln((1.0 + x) / root(q2));
-        return cone + (hertz - cone) * (fullness - FULLNESS_CONE) / (FULLNESS_HERTZ - FULLNESS_CONE);
+        let cone = inside(|x, q2| ln((1.0 + x) / root(q2)));
+        return cone + (hertz - cone) * ((fullness - FULLNESS_CONE) / (FULLNESS_HERTZ - FULLNESS_CONE));
     }
-    let punch = 0.5 / x;
-    hertz + (punch - hertz) * (fullness - FULLNESS_HERTZ) / (FULLNESS_PUNCH - FULLNESS_HERTZ)
+    let punch = inside(|x, _| 0.5 / x);
+    hertz + (punch - hertz) * ((fullness - FULLNESS_HERTZ) / (FULLNESS_PUNCH - FULLNESS_HERTZ))
 }
