@@ -50,12 +50,7 @@ pub fn deepest(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World
         (ObjectShape::HalfSpace, _) => at(object, support_in_world(part, x_wa, -Vec3::Z)),
         (_, ProbeShape::Mesh(mesh)) => of_mesh(object, &mesh, x_wa),
         (ObjectShape::Sphere { radius }, _) => of_part_in_ball(part, x_wa, radius),
-        (ObjectShape::Box { size }, _) => {
-            let found = descend(object, part, x_wa);
-            let (centre, reach) = (gap::centre(object), reach(&part.shape));
-            let under = faces::under_edge(0.5 * size, centre, &found, reach, spine(part, x_wa), turned_support(part, x_wa));
-            deeper(object, found, under)
-        }
+        (ObjectShape::Box { size }, _) => of_part_in_box(object, 0.5 * size, part, x_wa),
         (ObjectShape::Cylinder { radius, height }, _) => {
             let found = roll_down(object, part, x_wa, descend(object, part, x_wa));
             let under = rim::under_rim(radius, height, &found, reach(&part.shape), turned_support(part, x_wa));
@@ -107,6 +102,18 @@ fn of_part_in_ball(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, radius: 
     Deepest { point, gap: Gap { distance: root((point - centre).length_squared()) - radius, normal } }
 }
 
+fn of_part_in_box(object: &ObjectShape<'_>, half: Vec3, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Deepest {
+    let centre = gap::centre(object);
+    let (start, is_found) = foothold(object, part, x_wa);
+    let turned = turned_support(part, x_wa);
+    if !is_found && let Some(over) = faces::over_edge(half, centre, &start, &turned) {
+        return over;
+    }
+    let found = if is_found { start } else { descend_from(object, part, x_wa, start) };
+    let under = faces::under_edge(half, centre, &found, reach(&part.shape), spine(part, x_wa), turned);
+    deeper(object, found, under)
+}
+
 fn at(object: &ObjectShape<'_>, point: Vec3) -> Deepest {
     Deepest { point, gap: gap(object, point) }
 }
@@ -146,20 +153,28 @@ fn closest_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, q_w: Ve
 /// Steps of the descent: the step length falls from 64 to 1/512 of the body size, by half each time.
 const DESCENT_STEPS: usize = 16;
 
-/// Projected descent on the gap, largest step first; keeps the best point seen. A long step lands on the support point, which is
-/// the answer on flat faces and corners; the short ones settle on curved bodies.
+/// The deepest point by descent.
 fn descend(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> Deepest {
-    let size = reach(&part.shape) + object.height();
-    let mut here = at(object, closest_in_world(part, x_wa, gap::centre(object)));
-    let mut best = at(object, support_in_world(part, x_wa, -here.gap.normal));
-    if best.gap.distance > here.gap.distance {
-        core::mem::swap(&mut best, &mut here);
-    }
+    let (start, is_found) = foothold(object, part, x_wa);
+    if is_found { start } else { descend_from(object, part, x_wa, start) }
+}
+
+/// Where a descent starts, and whether that is the deepest point already.
+fn foothold(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>) -> (Deepest, bool) {
+    let here = at(object, closest_in_world(part, x_wa, gap::centre(object)));
+    let there = at(object, support_in_world(part, x_wa, -here.gap.normal));
+    let best = if there.gap.distance > here.gap.distance { here } else { there };
     // a convex distance lies above its tangent plane: no point of the part is deeper than the farthest one against the normal makes it
     let farthest = support_in_world(part, x_wa, -best.gap.normal);
-    if best.gap.normal.dot(best.point - farthest) <= ROUNDING * size {
-        return best;
-    }
+    let is_found = best.gap.normal.dot(best.point - farthest) <= ROUNDING * (reach(&part.shape) + object.height());
+    (best, is_found)
+}
+
+/// Projected descent on the gap, largest step first; keeps the best point seen. A long step lands on the support point, which is
+/// the answer on flat faces and corners; the short ones settle on curved bodies.
+fn descend_from(object: &ObjectShape<'_>, part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, start: Deepest) -> Deepest {
+    let size = reach(&part.shape) + object.height();
+    let mut best = start;
     let mut length = 64.0 * size;
     for _ in 0..DESCENT_STEPS {
         let next = closest_in_world(part, x_wa, best.point - best.gap.normal * length);

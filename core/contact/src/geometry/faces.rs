@@ -9,6 +9,7 @@
 use glam::{Mat2, Vec2, Vec3};
 
 use crate::geometry::deepest::Deepest;
+use crate::geometry::gap::{self, Gap};
 use crate::geometry::share::Share;
 use crate::math::{clamp, direction, max, min, root};
 
@@ -47,6 +48,10 @@ pub const MISSED: f32 = 0.25;
 
 /// Share of its depth by which a point may miss the deepest.
 pub const SETTLED: f32 = 1.0e-3;
+
+/// Share of its depth, and of the object, by which a point that is taken without descent may miss the deepest.
+const SURE: f32 = 1.0e-4;
+const SURE_SLACK: f32 = 1.0e-7;
 
 /// Rounding of a slack, as a share of the object.
 const ROUNDING: f32 = 2.0e-8;
@@ -88,6 +93,13 @@ struct Trial {
 impl Trial {
     fn moments(&self) -> Vec3 {
         self.roots * self.slack
+    }
+
+    /// The weights, with their norm: what they say of the slacks is no less than the depth anywhere in the part.
+    fn weights(&self) -> Vec3 {
+        let squares = self.roots * self.roots;
+        let whole = (squares * squares).element_sum();
+        fifth(self.roots) / (whole * root(root(whole)))
     }
 
     /// How far the moments of the first two faces lead that of the third.
@@ -140,16 +152,8 @@ pub fn under_edge(
     spine: Option<Spine>,
     support: impl Fn(Vec3) -> Vec3,
 ) -> Option<(Vec3, Vec3)> {
-    let place = at.point - centre;
-    let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
-    let (slack, depth) = (half - sign * place, -at.gap.distance);
-    let search = Search {
-        half,
-        sign,
-        missed: depth <= 0.0,
-        round: spine.map_or(0.0, |spine| spine.radius),
-        support: |d: Vec3| support(d) - centre,
-    };
+    let (search, place) = search_about(half, centre, at, spine.map_or(0.0, |spine| spine.radius), support);
+    let (slack, depth) = (search.slack(place), -at.gap.distance);
     if search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
         return None;
     }
@@ -160,7 +164,37 @@ pub fn under_edge(
     Some((found.point + centre, search.normal(&found)))
 }
 
+/// The same from any point of the part, where two faces share the depth and the bound of their weights proves what was found: no descent is needed then.
+pub fn over_edge(half: Vec3, centre: Vec3, at: &Deepest, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
+    let (search, place) = search_about(half, centre, at, 0.0, support);
+    if search.missed {
+        return None;
+    }
+    let found = search.over_two(search.slack(place), -at.gap.distance)?;
+    let distance = gap::of_box(half, found.point).distance;
+    let is_sure = search.is_proven(&found, -distance);
+    is_sure.then(|| Deepest { point: found.point + centre, gap: Gap { distance, normal: search.normal(&found) } })
+}
+
+/// A search about a point of the part, and that point from the box's centre; `support` in world.
+fn search_about<S: Fn(Vec3) -> Vec3>(
+    half: Vec3,
+    centre: Vec3,
+    at: &Deepest,
+    round: f32,
+    support: S,
+) -> (Search<impl Fn(Vec3) -> Vec3>, Vec3) {
+    let place = at.point - centre;
+    let sign = place.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
+    (Search { half, sign, missed: at.gap.distance >= 0.0, round, support: move |d: Vec3| support(d) - centre }, place)
+}
+
 impl<F: Fn(Vec3) -> Vec3> Search<F> {
+    /// Slacks of a place.
+    fn slack(&self, place: Vec3) -> Vec3 {
+        self.half - self.sign * place
+    }
+
     /// True when only one face is near and the depth found there meets the bound that its weights give from above.
     fn is_settled(&self, slack: Vec3, depth: f32, reach: f32) -> bool {
         // a descent that found no overlap may have missed a shallow one by an edge
@@ -175,6 +209,14 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         let weights = share * share * share * share * share;
         let bound = weights.dot(self.half - self.sign * (self.support)(-(weights * self.sign)));
         bound - depth <= SETTLED * depth
+    }
+
+    /// True where the moments of a trial over two faces are even, and the depth of its point meets the bound that its weights give from above.
+    fn is_proven(&self, trial: &Trial, depth: f32) -> bool {
+        let (moments, weights, size) = (trial.moments(), trial.weights(), self.half.max_element());
+        let uneven = 2.0 * moments.max_element() - moments.element_sum();
+        let bound = weights.dot(self.slack((self.support)(-(weights * self.sign))));
+        uneven <= SURE * moments.max_element() + ROUNDING * size && bound - depth <= max(SURE * bound, SURE_SLACK * size)
     }
 
     /// True where descent found no overlap because the whole part lies beyond one of the faces.
@@ -352,9 +394,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     /// The normal that the weights of a trial say, less what the far faces have in the depth. Beside a shallow contact the slacks of its point have few digits, which the gap's normal there takes to the fifth
     /// power; the weights are as sure as the directions that the search told apart, in which a flat lies on its edge.
     fn normal(&self, trial: &Trial) -> Vec3 {
-        let squares = trial.roots * trial.roots;
-        let whole = (squares * squares).element_sum();
-        let near = fifth(trial.roots) / (whole * root(root(whole)));
+        let near = trial.weights();
         let depth = near.dot(trial.slack);
         let far = fifth(Vec3::splat(depth) / (2.0 * self.half - trial.slack));
         direction((near - far) * self.sign, Vec3::Z)

@@ -21,7 +21,7 @@ pub struct Gap {
 pub fn gap(object: &ObjectShape<'_>, p_wq: Vec3) -> Gap {
     match *object {
         ObjectShape::HalfSpace => Gap { distance: p_wq.z, normal: Vec3::Z },
-        ObjectShape::Box { size } => box_gap(0.5 * size, p_wq - Vec3::Z * (0.5 * size.z)),
+        ObjectShape::Box { size } => of_box(0.5 * size, p_wq - Vec3::Z * (0.5 * size.z)),
         ObjectShape::Sphere { radius } => sphere_gap(radius, p_wq - Vec3::Z * radius),
         ObjectShape::Ellipsoid { semi_axes } => ellipsoid_gap(semi_axes, p_wq - Vec3::Z * semi_axes.z),
         ObjectShape::Cylinder { radius, height } => cylinder_gap(radius, 0.5 * height, p_wq - Vec3::Z * (0.5 * height)),
@@ -50,7 +50,8 @@ fn sphere_gap(radius: f32, q: Vec3) -> Gap {
     Gap { distance: root(q.length_squared()) - radius, normal: direction(q, Vec3::Z) }
 }
 
-fn box_gap(half: Vec3, q: Vec3) -> Gap {
+/// Gap of the point `q` to a box of half edges `half` about the origin \[m\].
+pub fn of_box(half: Vec3, q: Vec3) -> Gap {
     let beyond = q.abs() - half;
     let outside = Vec3::new(max(beyond.x, 0.0), max(beyond.y, 0.0), max(beyond.z, 0.0));
     let sign = Vec3::new(side(q.x), side(q.y), side(q.z));
