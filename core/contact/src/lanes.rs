@@ -4,7 +4,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
-use crate::math::{max, sqrt};
+use crate::math::{max, min, sqrt};
 
 /// Numbers side by side: what every x86-64 takes at once.
 pub const LANES: usize = 4;
@@ -40,29 +40,10 @@ impl Lanes {
         Self([max(a, e), max(b, f), max(c, g), max(d, h)])
     }
 
-    /// One of two for each that is positive, the other for the rest.
-    pub fn if_positive(self, then: Self, otherwise: Self) -> Self {
-        let ([x, y, z, w], [a, b, c, d], [e, f, g, h]) = (self.0, then.0, otherwise.0);
-        let one = |x: f32, a: f32, b: f32| if x > 0.0 { a } else { b };
-        Self([one(x, a, e), one(y, b, f), one(z, c, g), one(w, d, h)])
-    }
-
-    /// Without the signs.
-    pub fn size(self) -> Self {
-        let [a, b, c, d] = self.0;
-        Self([a.abs(), b.abs(), c.abs(), d.abs()])
-    }
-
-    /// Square roots, 0 below 0.
-    pub fn root(self) -> Self {
-        let [a, b, c, d] = self.larger(Self::splat(0.0)).0;
-        Self([sqrt(a), sqrt(b), sqrt(c), sqrt(d)])
-    }
-
-    /// All together.
-    pub fn sum(self) -> f32 {
-        let [a, b, c, d] = self.0;
-        (a + b) + (c + d)
+    /// The smaller of each pair.
+    pub fn smaller(self, other: Self) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([min(a, e), min(b, f), min(c, g), min(d, h)])
     }
 }
 

@@ -137,8 +137,9 @@ impl Standing<'_> {
         let fall = 0.5 * self.curvature / PI;
         let left = self.left(&top, if fall > 0.0 { min(depth / fall, top.area) } else { top.area }, depth);
         let middle = top.centroid + left.moved + self.d * depth;
-        let top = if used < depth { self.slice(used) } else { top };
-        let cuts = if fall * top.area > FLAT_FALL * used { self.on_curved(used, fall, &top) } else { self.on_flat(used, &top) };
+        let (top, share) = if used < depth { (self.slice(used), None) } else { (top, Some(left.share)) };
+        let cuts =
+            if fall * top.area > FLAT_FALL * used { self.on_curved(used, fall, &top) } else { self.on_flat(used, &top, share) };
         (Growth::new(used, &cuts), middle)
     }
 
@@ -153,17 +154,27 @@ impl Standing<'_> {
     }
 
     fn overlap(&self, area: f32, slice: &Slice, aspect: f32, depth: f32) -> Overlap {
-        let share = self.left(slice, area, depth).share;
+        self.kept(area, aspect, self.left(slice, area, depth).share)
+    }
+
+    /// The overlap of this area and aspect, of which a share is left.
+    fn kept(&self, area: f32, aspect: f32, share: f32) -> Overlap {
         // a strip that is cut is as much shorter
         Overlap::new(min(area * share, self.widest), 1.0 + (aspect - 1.0) * share)
     }
 
-    /// On a flat face the overlap is the slice at the depth.
-    fn on_flat(&self, depth: f32, top: &Slice) -> [Overlap; CUTS.len()] {
+    /// On a flat face the overlap is the slice at the depth; of the `top` one the share may be known.
+    fn on_flat(&self, depth: f32, top: &Slice, share: Option<f32>) -> [Overlap; CUTS.len()] {
         CUTS.map(|s| {
             let depth = depth * s * s;
-            let slice = if s < 1.0 { self.slice(depth) } else { *top };
-            self.overlap(slice.area, &slice, slice.aspect, depth)
+            match share {
+                Some(share) if s == 1.0 => self.kept(top.area, top.aspect, share),
+                None if s == 1.0 => self.overlap(top.area, top, top.aspect, depth),
+                _ => {
+                    let slice = self.slice(depth);
+                    self.overlap(slice.area, &slice, slice.aspect, depth)
+                }
+            }
         })
     }
 

@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3};
 
 use crate::geometry::outline::eigenvector;
 use crate::geometry::support::{reach, support};
-use crate::math::{GAUSS_4, PI, clamp, direction, max, min, perpendicular, root};
+use crate::lanes::Lanes;
+use crate::math::{GAUSS_4, PI, direction, max, min, perpendicular, root};
 use crate::model::ProbeShape;
 
 /// Area and centroid of a slice.
@@ -193,33 +194,33 @@ impl Trunk {
 /// A slope below this reaches nothing within the largest part.
 const FLAT: f32 = 1.0e-9;
 
+/// The four-point rule side by side.
+const PLACES: Lanes = Lanes([GAUSS_4[0].0, GAUSS_4[1].0, GAUSS_4[2].0, GAUSS_4[3].0]);
+const WEIGHTS: Lanes = Lanes([GAUSS_4[0].1, GAUSS_4[1].1, GAUSS_4[2].1, GAUSS_4[3].1]);
+
 fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let tilt = Tilt::of(d);
     let end = -tilt.axis * (0.5 * height);
-    let disc = |t: f32| {
-        let depth = clamp(z - t * tilt.cos, 0.0, radius);
-        root(2.0 * radius * depth - depth * depth)
+    let discs = |t: Lanes| {
+        let depth = (Lanes::splat(z) - t * tilt.cos).larger(Lanes::splat(0.0)).smaller(Lanes::splat(radius));
+        (depth * (2.0 * radius) - depth * depth).larger(Lanes::default()).roots()
     };
-    let cap = PI * disc(0.0) * disc(0.0);
     let length = if tilt.cos * height > z { z / tilt.cos } else { height };
-    let (mut strip, mut moment) = (0.0, 0.0);
-    for (x, w) in GAUSS_4 {
-        let t = x * length;
-        let width = 2.0 * disc(t) * tilt.sin * w * length;
-        strip += width;
-        moment += width * t;
-    }
-    let far = disc(length);
+    let places = PLACES * length;
+    let widths = discs(places) * WEIGHTS * (2.0 * tilt.sin * length);
+    let (strip, moment) = (widths.total(), (widths * places).total());
+    let Lanes([wide, far, ..]) = discs(Lanes([0.0, length, 0.0, length]));
+    let cap = PI * wide * wide;
     let stadium = 0.5 * cap + strip + 0.5 * PI * far * far;
     if stadium <= cap {
-        return Slice::round(cap, end + d * (radius - z)).within([disc(0.0) + length * tilt.sin; 2]);
+        return Slice::round(cap, end + d * (radius - z)).within([wide + length * tilt.sin; 2]);
     }
     // the centroid leaves the end as the stadium outgrows the cap, without a step
     let lead = min((stadium - cap) / (0.5 * cap), 1.0);
     let along = lead * (moment + 0.5 * PI * far * far * length) / stadium;
     let centroid = end + tilt.axis * along + d * (along * tilt.cos + radius - z);
     let level = direction(tilt.axis - d * tilt.axis.dot(d), Vec3::X);
-    let (wide, along) = (disc(0.0), along * tilt.sin);
+    let along = along * tilt.sin;
     let half = max(along, length * tilt.sin - along) + wide;
     Slice::new(stadium, centroid, (wide + length * tilt.sin + far, 2.0 * wide), [level, d.cross(level)]).within([half, wide])
 }
