@@ -92,7 +92,7 @@ impl Kept {
 }
 
 /// Cases that once were far above their bounds, and what was wrong.
-const MENDED: [(Law, u64); 8] = [
+const MENDED: [(Law, u64); 11] = [
     // a normal taken from the few digits of a shallow point's slacks, under an edge of a box
     (Law::Turned, 0x72f7_8a3e_09da_218f),
     (Law::Turned, 0x9ea4_bfab_d2aa_6dc3),
@@ -104,12 +104,18 @@ const MENDED: [(Law, u64); 8] = [
     (Law::Repeated, 0xe84c_a417_51dd_8262),
     // a mark of slip in metres that was longer than the slips of a small contact
     (Law::Units, 0x92fc_8387_6649_378b),
+    // two patches without area yet on one corner of a box, no distance apart
+    (Law::Wander, 0x7335_4d7a_5e1d_15b8),
+    // a contact that begins only at its full depth, whose load was divided by a fullness of nothing
+    (Law::Coupled, 0x036f_5e13_1bb2_e7da),
+    (Law::Coupled, 0xb06a_b588_9775_8705),
 ];
 
 #[test]
 fn mended_cases_stay_within_their_bounds() {
     for (law, seed) in MENDED {
         let (case, outcome) = judge(law, seed);
+        assert_eq!(outcome.seen.fault, None, "{} {seed:016x}", law.name());
         let (figure, bound) = (outcome.figure.expect("measured"), law.bound(case.twin.params.tier));
         assert!(figure <= bound, "{} {seed:016x}: {figure:.3e}, bound {bound:.3e}", law.name());
     }

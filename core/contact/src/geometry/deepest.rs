@@ -106,7 +106,7 @@ fn of_part_in_box(object: &ObjectShape<'_>, half: Vec3, part: &ProbePart<'_>, x_
     let centre = gap::centre(object);
     let (start, is_found) = foothold(object, part, x_wa);
     let turned = turned_support(part, x_wa);
-    if !is_found && let Some(over) = faces::over_edge(half, centre, &start, &turned) {
+    if !is_found && let Some(over) = faces::over_edge(half, centre, &start, spine(part, x_wa), &turned) {
         return over;
     }
     let found = if is_found { start } else { descend_from(object, part, x_wa, start) };

@@ -158,19 +158,26 @@ pub fn under_edge(
         return None;
     }
     let spine = spine.map(|spine| Spine { start: spine.start - centre, ..spine });
-    let along = || spine.filter(|_| depth > 0.0).and_then(|spine| search.along(&spine, place));
-    let found = search.over_two(slack, depth).or_else(along).or_else(|| search.evened(slack));
+    let along = spine.filter(|_| depth > 0.0).and_then(|spine| search.along(&spine, place));
+    let found = along.or_else(|| search.over_two(slack, depth)).or_else(|| search.evened(slack));
     let found = found.unwrap_or_else(|| search.over(slack));
     Some((found.point + centre, search.normal(&found)))
 }
 
 /// The same from any point of the part, where two faces share the depth and the bound of their weights proves what was found: no descent is needed then.
-pub fn over_edge(half: Vec3, centre: Vec3, at: &Deepest, support: impl Fn(Vec3) -> Vec3) -> Option<Deepest> {
+pub fn over_edge(
+    half: Vec3,
+    centre: Vec3,
+    at: &Deepest,
+    spine: Option<Spine>,
+    support: impl Fn(Vec3) -> Vec3,
+) -> Option<Deepest> {
     let (search, place) = search_about(half, centre, at, 0.0, support);
     if search.missed {
         return None;
     }
-    let found = search.over_two(search.slack(place), -at.gap.distance)?;
+    let along = spine.and_then(|spine| search.along(&Spine { start: spine.start - centre, ..spine }, place));
+    let found = along.or_else(|| search.over_two(search.slack(place), -at.gap.distance))?;
     let distance = gap::of_box(half, found.point).distance;
     let is_sure = search.is_proven(&found, -distance);
     is_sure.then(|| Deepest { point: found.point + centre, gap: Gap { distance, normal: search.normal(&found) } })
