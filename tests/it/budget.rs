@@ -348,7 +348,7 @@ fn scene_with(work: u32, folder: &Path) -> String {
 #[test]
 fn eval_shows_what_the_budget_left_and_a_recording_of_it_is_verified() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene_with(1_500_000, folder.path());
+    let scene = scene_with(1_100_000, folder.path());
     let trajectory = root().join("tests/scenes/ten-regions.csv");
     let run = |args: &[&str]| {
         let output = haptor().args(args).output().unwrap();

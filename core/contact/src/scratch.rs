@@ -49,6 +49,5 @@ impl<const CONTACTS: usize> Scratch<CONTACTS> {
         }
         self.contacts.clear();
         self.grounds.clear();
-        self.discs.clear();
     }
 }

@@ -5,7 +5,7 @@
 //! of the core that moves counts, run `cargo xtask counts`, then that, and put new values here. The test fails when an estimate is
 //! below a counted row, or further above it than it may be.
 //!
-//! A few lie above what their rows give by more than rounding, and say by how much (rows of 22 November 2026): an estimate must bound contacts that meet otherwise than those
+//! A few lie above what their rows give by more than rounding, and say by how much (rows of 23 November 2026): an estimate must bound contacts that meet otherwise than those
 //! of the rows do, ten tips under a plate among them, and a figure whose row has become cheaper bounds it still.
 //!
 //! Figures of pairs are the dearest of a motion that tilts and walks over edges, not a proof: what is bounded by construction is how often each loop
@@ -39,15 +39,15 @@ pub const SHAPES: usize = 7;
 
 /// Finding, following and pressing one contact, the samples that a mesh is asked for apart. "SHAPE on OBJECT" less "no contact, one part", the first rows of box and cylinder from "SHAPE on wide OBJECT"; for a mesh
 /// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`]. Under edges and
-/// corners of a box they lie up to 48 % above their rows, whose motion meets the dearest corners rarely.
+/// corners of a box they lie up to 34 % above their rows, whose motion meets the dearest corners rarely.
 pub const PAIR: [[u32; SHAPES]; OBJECTS] = [
-    [1_780, 15_300, 2_500, 4_450, 5_950, 4_050, 146_000],
-    [2_700, 17_600, 4_850, 9_000, 7_950, 6_150, 152_000],
+    [1_780, 15_500, 2_500, 4_450, 5_950, 4_050, 146_000],
+    [2_700, 17_600, 4_850, 6_700, 7_950, 6_150, 152_000],
     [3_350, 32_800, 6_550, 9_800, 13_200, 8_350, 155_000],
     [5_550, 39_400, 33_500, 17_700, 32_000, 17_900, 162_000],
     [2_500, 17_650, 4_950, 6_500, 8_000, 6_200, 154_000],
     [26_600, 88_000, 66_000, 66_500, 70_000, 65_500, 173_000],
-    [2_800, 60_000, 40_000, 62_000, 69_000, 80_000, 160_000],
+    [2_800, 60_000, 34_000, 42_000, 60_000, 80_000, 160_000],
     [6_500, 135_000, 95_000, 157_000, 151_000, 130_000, 260_000],
 ];
 
@@ -71,20 +71,20 @@ pub const DENT_AGAIN: u32 = 50;
 pub const TABLE: u32 = 4_000;
 
 /// The same for each patch and each other. "no friction, box with a table, ten regions" less "no friction, box, ten regions, twist" and ten [`TABLE`], by 90.
-pub const TABLE_NEIGHBOUR: u32 = 8_100;
+pub const TABLE_NEIGHBOUR: u32 = 8_200;
 
 /// The ground under a patch that friction holds, where there is a body. "point, sphere on box" less "sphere on box" and [`POINT`]. 25 % above its rows.
 pub const GROUND: u32 = 2_600;
 
 /// How the grip of a patch moves the ground of another: for each patch and each other. "point, half space, ten regions, slide" less its row
-/// without friction and ten [`POINT`], by 90. 35 % above its rows.
-pub const GROUND_NEIGHBOUR: u32 = 490;
+/// without friction and ten [`POINT`], by 90. 30 % above its rows, on whose flat objects nothing bends.
+pub const GROUND_NEIGHBOUR: u32 = 330;
 
 /// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
 pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;
 
-/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space". 4 % above its rows.
-pub const POINT: u32 = 3_000;
+/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space". 3 % above its rows.
+pub const POINT: u32 = 2_900;
 
 /// Tier `paper`, a patch and a sample. "paper 64, half space, one region, slide" and "twist" less their rows without friction.
 pub const PAPER: u32 = 300;

@@ -86,7 +86,7 @@ pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u
     let neighbours = neighbours(patches);
     let (whole, again) = (passes(counts.patches) - 1, of_pressing_again(model, counts));
     // the newborn is pressed once more, alone
-    let newborn = if whole > 0 { again / count(patches) } else { 0 };
+    let newborn = if whole > 0 { again.checked_div(count(patches)).unwrap_or(0) } else { 0 };
     let again = count(whole).saturating_mul(again).saturating_add(newborn);
     let excess = count(patches.saturating_sub(params.max_regions));
     let pairs = counts.pairs(model, None).saturating_add(costs::NEIGHBOUR.saturating_mul(neighbours));

@@ -42,8 +42,10 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
 
 fn press_one(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch], i: usize) {
     let displaced = displaced_by_others(model, patches, i);
-    let pressed = footprint(model, params, contacts, &patches[i], displaced);
-    patches[i].footprint = Footprint { load: pressed.load * patches[i].share, ..pressed };
+    if let Some(patch) = patches.get_mut(i) {
+        let pressed = footprint(model, params, contacts, patch, displaced);
+        patch.footprint = Footprint { load: pressed.load * patch.share, ..pressed };
+    }
 }
 
 /// Passes over all patches in this tick.
@@ -53,7 +55,7 @@ pub fn passes(patches: &[Patch]) -> usize {
 }
 
 fn displaced_by_others(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
-    let here = &patches[i];
+    let Some(here) = patches.get(i) else { return 0.0 };
     let others = patches.iter().enumerate().filter(|(j, other)| *j != i && other.footprint.load > 0.0);
     let near = others.fold(0.0, |sum, (_, other)| {
         sum + dent(model, other, here.centre) * clip(other.normal.dot(here.normal)) * yielding(here, other)

@@ -42,11 +42,11 @@ pub struct Ground {
 /// Prepares the grounds of all patches, in their order; none where nothing but a patch's own series compliance moves any ground.
 pub fn prepare(model: &Model<'_>, patches: &[Patch], grounds: &mut VecView<Ground>, discs: &mut Discs) {
     grounds.clear();
-    discs.clear();
     let alone_on_axis = |patch: &Patch| arm(patch.at_rest()) == Vec3::ZERO || model.object == ObjectShape::HalfSpace;
     if patches.len() <= 1 && model.table().is_none() && patches.iter().all(alone_on_axis) {
         return;
     }
+    discs.clear();
     let alone = patches.len() <= 1;
     for patch in patches {
         let ground = Ground::of(model, patch, alone);
