@@ -76,9 +76,9 @@ pub const TABLE_NEIGHBOUR: u32 = 8_200;
 /// The ground under a patch that friction holds, where there is a body. "point, sphere on box" less "sphere on box" and [`POINT`]. 25 % above its rows.
 pub const GROUND: u32 = 2_600;
 
-/// How the grip of a patch moves the ground of another: for each patch and each other. "point, half space, ten regions, slide" less its row
-/// without friction and ten [`POINT`], by 90. 30 % above its rows, on whose flat objects nothing bends.
-pub const GROUND_NEIGHBOUR: u32 = 330;
+/// How the grips of four patches move the ground of one: for each patch and each four of all. "point, half space, ten regions, slide" less its row
+/// without friction and ten [`POINT`], by 30. 30 % above its rows, on whose flat objects nothing bends.
+pub const GROUND_FOUR: u32 = 1_000;
 
 /// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
 pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;

@@ -6,6 +6,7 @@ use crate::coupling::CouplingSpec;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::geometry::deepest::{is_clear, part_pose};
 use crate::geometry::support::ASKED_SAMPLES;
+use crate::lanes::LANES;
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
@@ -123,8 +124,12 @@ pub fn of_grip(model: &Model<'_>, params: &Params, rung: Rung, patches: usize) -
     }
     let grounded = model.object != ObjectShape::HalfSpace;
     let ground = if grounded { costs::GROUND.saturating_mul(count(patches)) } else { 0 };
-    let pair = if model.table().is_some() { costs::GROUND_TABLE_NEIGHBOUR } else { costs::GROUND_NEIGHBOUR };
-    tier.saturating_add(ground).saturating_add(pair.saturating_mul(neighbours))
+    let moved = match model.table() {
+        Some(_) => costs::GROUND_TABLE_NEIGHBOUR.saturating_mul(neighbours),
+        None if patches > 1 => costs::GROUND_FOUR.saturating_mul(count(patches * patches.div_ceil(LANES))),
+        None => 0,
+    };
+    tier.saturating_add(ground).saturating_add(moved)
 }
 
 /// One patch on a rung, its ground apart.

@@ -179,7 +179,7 @@ pub fn over_edge(
     let along = spine.and_then(|spine| search.along(&Spine { start: spine.start - centre, ..spine }, place));
     let found = along.or_else(|| search.over_two(search.slack(place), -at.gap.distance))?;
     let distance = gap::of_box(half, found.point).distance;
-    let is_sure = search.is_proven(&found, -distance);
+    let is_sure = distance <= at.gap.distance && search.is_proven(&found, -distance);
     is_sure.then(|| Deepest { point: found.point + centre, gap: Gap { distance, normal: search.normal(&found) } })
 }
 

@@ -222,7 +222,10 @@ fn of_capsule(radius: f32, height: f32, d: Vec3, z: f32) -> Slice {
     let level = direction(tilt.axis - d * tilt.axis.dot(d), Vec3::X);
     let along = along * tilt.sin;
     let half = max(along, length * tilt.sin - along) + wide;
-    Slice::new(stadium, centroid, (wide + length * tilt.sin + far, 2.0 * wide), [level, d.cross(level)]).within([half, wide])
+    let long = wide + length * tilt.sin + far;
+    // a stadium shorter than wide is told the other way round
+    let within = if long >= 2.0 * wide { [half, wide] } else { [wide, half] };
+    Slice::new(stadium, centroid, (long, 2.0 * wide), [level, d.cross(level)]).within(within)
 }
 
 /// Corners a slice of a box may have while it is clipped: a square and one more for each of six cuts.

@@ -117,7 +117,7 @@ impl Discs {
         let near = Lanes::splat(1.0) / distance;
         let [along, across, swirl] = self.fields(four, distance, near);
         let ahead = dot(&level, &four.force) * near * near;
-        let (out, sinks, hoop) = (across * ahead, ahead * distance * self.sinking, swirl * four.torque);
+        let (out, sinks, hoop) = (across * ahead, ahead * self.sinking, swirl * four.torque);
         let around = cross(&four.normal, &level);
         let fade = fade(p.z - self.base, four.height) * counts;
         let shift: [Lanes; 3] =
@@ -203,13 +203,18 @@ fn around(s: Lanes) -> [Lanes; 3] {
     let s2 = s * s;
     let cubic = |[a, b, c, d]: [f32; 4]| a + s2 * (b + s2 * (c + s2 * d));
     let series = [s * cubic(DISC), s * cubic(DISC_ACROSS), s * s2 * cubic(TURNED)];
-    if s.0.iter().all(|&s| s <= SERIES) { series } else { around_near(s) }
+    if s.0.iter().all(|&s| s <= SERIES) { series } else { around_near(s, &series) }
 }
 
-/// The same where one of them is near.
+/// The same where one of them is near, from the series for those that are not.
 #[inline(never)]
-fn around_near(s: Lanes) -> [Lanes; 3] {
-    [disc, disc_across, turned_disc].map(|of| Lanes(s.0.map(|s| of(1.0 / s))))
+fn around_near(s: Lanes, series: &[Lanes; 3]) -> [Lanes; 3] {
+    let exact: [fn(f32) -> f32; 3] = [disc, disc_across, turned_disc];
+    core::array::from_fn(|i| {
+        let one = |s: f32, far: f32| if s > SERIES { exact[i](1.0 / s) } else { far };
+        let ([a, b, c, d], [e, f, g, h]) = (s.0, series[i].0);
+        Lanes([one(a, e), one(b, f), one(c, g), one(d, h)])
+    })
 }
 
 /// Coefficients of s, s^3, s^5, s^7 in `disc` and `disc_across`, and of s^3, s^5, s^7, s^9 in `turned_disc`.
@@ -226,4 +231,51 @@ fn dot(a: &Vectors, b: &Vectors) -> Lanes {
 
 fn cross(a: &Vectors, b: &Vectors) -> Vectors {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{cos, direction, perpendicular, sin};
+    use crate::model::{Material, Model, ModelSpec, ObjectShape, ProbePart, ProbeShape};
+
+    /// One after the other by the forms of a single disc, which agree with these in its plane.
+    #[test]
+    fn ten_discs_move_a_place_as_one_after_the_other_does() {
+        let ball = [ProbePart::at_origin(ProbeShape::Sphere { radius: 0.02 })];
+        for (nu, object_radius, slant) in [(0.3, f32::INFINITY, 0.4), (0.0, 0.08, 0.9), (0.5, 0.2, 0.0)] {
+            let material = Material { young_modulus: 3.0e6, poisson_ratio: nu, density: 1100.0 };
+            let cube = ObjectShape::Box { size: Vec3::splat(0.2) };
+            let model = Model::new(&ModelSpec::new(cube, material, &ball)).unwrap();
+            let normal = direction(Vec3::new(slant, -0.5 * slant, 1.0), Vec3::Z);
+            let (e1, place_normal) = (perpendicular(normal), direction(Vec3::new(0.7, 0.2, 0.3), Vec3::Z));
+            let e2 = normal.cross(e1);
+            let at = |i: usize| {
+                let (angle, far) = (2.4 * i as f32, 0.004 + 0.003 * i as f32);
+                Vec3::Z * 0.15 + e1 * (far * cos(angle)) + e2 * (far * sin(angle))
+            };
+            let radius = |i: usize| 0.0015 + 4.0e-4 * (i % 3) as f32;
+            let load =
+                |i: usize| Load { force: e1 * sin(i as f32) + e2 * cos(1.7 * i as f32), torque: 0.003 * sin(2.0 * i as f32) };
+            let discs: [Disc; 10] = core::array::from_fn(|i| Disc::new(&model, at(i), normal, radius(i), object_radius));
+            let mut four = Discs::new();
+            for (i, disc) in discs.iter().enumerate() {
+                four.push(disc, &Load { force: Vec3::ZERO, torque: 0.0 });
+                four.load(i, &load(i));
+            }
+            for index in 0..discs.len() {
+                let place = Place { p_w: at(index), normal: place_normal, radius: radius(index), index };
+                let found = four.drawn(&place);
+                let others = discs.iter().enumerate().filter(|(i, _)| *i != index);
+                let each = |(i, disc): (usize, &Disc)| disc.at(&load(i), place.p_w, place_normal, radius(index) + radius(i));
+                let want = others.map(each).fold(Move::default(), |sum, one| sum + one);
+                let off = (found.shift - want.shift).length() / want.shift.length();
+                assert!(off < 5.0e-4, "nu {nu}, place {index}: {found:?} {want:?}");
+                assert!(
+                    (found.turn - want.turn).abs() < 1.0e-3 * want.turn.abs() + 1.0e-7,
+                    "nu {nu}, place {index}: {found:?} {want:?}"
+                );
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Rings have equal width h and keep it while the contact radius a stays within a range of h, so that a growing contact enters
 //! new, free rings and a shrinking one leaves rings behind. When a leaves the range the grid is laid anew and the forces are
-//! shared out by overlap, so that force and torque of the patch are kept.
+//! shared out by overlap, so that force and torque of what the new grid holds are kept.
 
 use glam::Vec2;
 

@@ -1,5 +1,7 @@
 //! Four bristles at a time: two rings of two. What their forces come to is summed quad by quad, then over the four.
 
+use glam::Vec2;
+
 use crate::lanes::Lanes;
 use crate::limits::MAX_BRISTLES;
 use crate::patch::Shift;
@@ -77,13 +79,19 @@ impl core::ops::AddAssign for Lost {
     }
 }
 
-/// Lays out the bristles of `rings`.
+/// Four that hold nothing.
+const NONE: [Bristle; BRISTLES] = [Bristle { force: Vec2::ZERO, slipped: 0.0 }; BRISTLES];
+
+/// Lays out the bristles of `rings`, of which the last may stand alone.
 pub fn lay_out(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], quads: &mut Quads) {
-    let none = [Bristle::default(); BRISTLES];
     for (k, (pair, cells)) in rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks(BRISTLES)).enumerate() {
         let (inner, outer) = (pair.first().copied().unwrap_or_default(), pair.get(1).copied().unwrap_or_default());
-        let cells = cells.first_chunk().unwrap_or(&none);
-        let _ = quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells));
+        let _ = match cells {
+            [a, b] => {
+                quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, &[*a, *b, Bristle::default(), Bristle::default()]))
+            }
+            _ => quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells.first_chunk().unwrap_or(&NONE))),
+        };
     }
 }
 

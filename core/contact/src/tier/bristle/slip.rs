@@ -60,12 +60,12 @@ pub fn shift(
     let mut felt = stuck.solve(common, wanted);
     for pass in 1..PASSES {
         let trial = probe(&quads, felt, stuck);
-        if pass == 1 && !trial.slides {
-            // it began from the stiffness of full stick, which is theirs: the shift is found
-            break;
-        }
         let rest = rest_of(common, wanted, felt, trial.force - before.force, trial.torque - before.torque);
         felt = felt + trial.stiffness.solve(common, rest);
+        if pass == 1 && !trial.slides {
+            // both steps were those of full stick, which is linear
+            break;
+        }
     }
     let grip = settle(hold, &quads, bristles, felt);
     Answer { grip, rest: rest_of(common, wanted, felt, grip.force - before.force, grip.torque - before.torque) }
