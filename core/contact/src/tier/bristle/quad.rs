@@ -1,7 +1,5 @@
 //! Four bristles at a time: two rings of two. What their forces come to is summed quad by quad, then over the four.
 
-use glam::Vec2;
-
 use crate::lanes::Lanes;
 use crate::limits::MAX_BRISTLES;
 use crate::patch::Shift;
@@ -79,20 +77,30 @@ impl core::ops::AddAssign for Lost {
     }
 }
 
-/// Four that hold nothing.
-const NONE: [Bristle; BRISTLES] = [Bristle { force: Vec2::ZERO, slipped: 0.0 }; BRISTLES];
-
 /// Lays out the bristles of `rings`, of which the last may stand alone.
 pub fn lay_out(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], quads: &mut Quads) {
     for (k, (pair, cells)) in rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks(BRISTLES)).enumerate() {
         let (inner, outer) = (pair.first().copied().unwrap_or_default(), pair.get(1).copied().unwrap_or_default());
-        let _ = match cells {
-            [a, b] => {
-                quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, &[*a, *b, Bristle::default(), Bristle::default()]))
+        let alone;
+        let cells = match cells.first_chunk() {
+            Some(cells) => cells,
+            None => {
+                alone = padded(cells);
+                &alone
             }
-            _ => quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells.first_chunk().unwrap_or(&NONE))),
         };
+        let _ = quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells));
     }
+}
+
+/// The bristles of a ring that stands alone, and two that hold nothing.
+#[cold]
+fn padded(cells: &[Bristle]) -> [Bristle; BRISTLES] {
+    let mut four = [Bristle::default(); BRISTLES];
+    if let ([a, b, ..], [c, d]) = (&mut four, cells) {
+        (*a, *b) = (*c, *d);
+    }
+    four
 }
 
 impl Quad {
