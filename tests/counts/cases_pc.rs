@@ -58,6 +58,8 @@ fn budgets() -> Vec<Case> {
     vec![
         of("influence 52, cube, ten tips", influence, tipped),
         of("influence 52, cube, ten tips, work 1000000", with(1_000_000), tipped),
+        of("bristle 64, cube, ten tips, work 300000", ParamsSpec { work: Some(300_000), ..ParamsSpec::default() }, tipped),
+        of("bristle 64, cube, ten tips, work 150000", ParamsSpec { work: Some(150_000), ..ParamsSpec::default() }, tipped),
         of("base, work to spare", spare, base()),
         of("influence 52, box, ten regions, work 1000000", with(1_000_000), many()),
         of("influence 52, box, ten regions, work 400000", with(400_000), many()),

@@ -29,18 +29,22 @@ mod meshes;
 #[path = "../counts/table.rs"]
 mod table;
 
-use cases::{Case, ROUND};
+use cases::{Case, Motion, ROUND};
 
 /// How far an estimate may lie above the dearest counted tick.
 const FACTOR: f64 = 1.5;
 
+/// What a budget costs itself in a tick and for each part that is near: of estimates of rows that have none it is taken away.
+const BUDGET: [u32; 2] = [1_250, 700];
+
 /// Rows whose estimate lies further above, and why that is right.
-const FARTHER: [(&str, f64, &str); 2] = [
+const FARTHER: [(&str, f64, &str); 3] = [
     (
         "paper 64",
         4.0,
         "every patch's samples are counted, and a tick asks them only where the axis of the turn goes through the patch",
     ),
+    ("on ellipsoid", 2.6, "a part that lies a centimetre deep in an ellipsoid costs twice what the rows' millimetre does"),
     (
         "ten tips",
         2.6,
@@ -87,7 +91,9 @@ fn estimates_bound_the_counted_instructions_and_are_near_them() {
             wrong.push(format!("{name}: not in the table; cargo xtask counts"));
             continue;
         };
-        let estimate = estimate(&case);
+        let own = BUDGET[0] + BUDGET[1] * case.probe.len() as u32;
+        let has_own = case.params.work.is_some() || case.regions == 0 || case.motion == Motion::Still || case.surface.is_some();
+        let estimate = estimate(&case) - if has_own { 0 } else { own };
         let ratio = f64::from(estimate) / f64::from(worst);
         let allowed = FARTHER.iter().find(|(part, ..)| name.contains(part)).map_or(FACTOR, |&(_, allowed, _)| allowed);
         writeln!(
@@ -148,19 +154,22 @@ fn asking(work: u32) -> Params {
     Params::new(&ParamsSpec { tier: Tier::Influence, samples: 112, work: Some(work), ..ParamsSpec::default() }).unwrap()
 }
 
-/// Works at which one ball on the cube runs on each rung below the highest, first to last: each is what the rung is estimated at.
+/// Works at which one ball on the cube runs on each rung below the highest, first to last: each is what the rung is estimated at, taking over from the one above it too.
 fn works() -> Vec<(Rung, u32)> {
     let top = Rung { tier: Tier::Influence, samples: 112, sweeps: 4 };
-    let rungs = std::iter::successors(Some(top), |rung| rung.lower());
-    let of = |rung: Rung| {
-        let mut bench = Bench::new(CUBE, &BALL);
+    let rungs: Vec<_> = std::iter::successors(Some(top), |rung| rung.lower()).collect();
+    let params = |rung: Rung| {
         let (samples, sweeps) = (usize::from(rung.samples), usize::from(rung.sweeps));
         let spec = ParamsSpec { tier: rung.tier, samples, sweeps, work: Some(MAX_WORK), ..ParamsSpec::default() };
-        let params = Params::new(&spec).unwrap();
-        let most = (0..100).map(|tick| bench.tick(&params, slow(tick)).report.work).max();
-        (rung, most.unwrap())
+        Params::new(&spec).unwrap()
     };
-    rungs.map(of).collect()
+    let of = |(above, rung): (&Rung, &Rung)| {
+        let mut bench = Bench::new(CUBE, &BALL);
+        bench.ticks(&params(*above), 0..100);
+        let most = (100..200).map(|tick| bench.tick(&params(*rung), slow(tick)).report.work).max();
+        (*rung, most.unwrap())
+    };
+    std::iter::once(&top).chain(&rungs).zip(&rungs).map(of).collect()
 }
 
 fn rung(output: &Output) -> Rung {
@@ -273,7 +282,9 @@ proptest! {
             prop_assert_eq!(calls, 0);
             prop_assert!(output.report.work <= work.max(floor), "{} of {} at tick {}", output.report.work, work, tick);
             prop_assert!(output.contact.force.is_finite() && output.contact.torque.is_finite());
-            prop_assert_eq!(output.report.flags.contains(Flags::TIER_LOWERED), rung(&output) != Rung { tier, samples: samples as u16, sweeps: 4 });
+            // looks and passes give way too, without another rung
+            let lowered = rung(&output) != Rung { tier, samples: samples as u16, sweeps: 4 };
+            prop_assert!(output.report.flags.contains(Flags::TIER_LOWERED) || !lowered);
         }
     }
 }
@@ -305,6 +316,66 @@ fn ten_regions_arriving_one_after_the_other_get_cheaper_tiers_and_no_step() {
         tiers.starts_with(&[Tier::Influence]) && tiers.contains(&Tier::Bristle) && tiers.ends_with(&[Tier::Point]),
         "{seen:?}"
     );
+}
+
+/// Ten capsules under a plate, as in the ready scene.
+fn capsules() -> Vec<ProbePart<'static>> {
+    let plate =
+        ProbePart { position: Vec3::Z * 0.0098, ..ProbePart::at_origin(ProbeShape::Box { size: Vec3::new(0.08, 0.048, 0.006) }) };
+    let capsule = ProbeShape::Capsule { radius: 0.006, height: 0.02 };
+    let tips = tips().into_iter().map(|tip| ProbePart { shape: capsule, position: tip.position - Vec3::Z * 0.0072, ..tip });
+    std::iter::once(plate).chain(tips).collect()
+}
+
+/// Most that turns may change of the contact's force, as a share of its peak, while ten contacts are born and pressed by 5 um a tick, and afterwards while the probe is dragged and turned. Measured
+/// 23 November 2026 by this test, which prints them: 0.021 and 0.0007.
+const OFF_AT_BIRTHS: f32 = 0.03;
+const OFF_AFTERWARDS: f32 = 0.0015;
+
+/// The same tier with and without room for a look at every part in every tick: what waits for its turn is felt nearly as if it did not.
+#[test]
+fn parts_that_take_turns_are_felt_as_if_they_did_not() {
+    let of =
+        |work| Params::new(&ParamsSpec { tier: Tier::Point, work, guard: GuardSpec::OPEN, ..ParamsSpec::default() }).unwrap();
+    let (free, short) = (of(None), of(Some(200_000)));
+    let (mut all, mut turns) = (Bench::new(CUBE, &capsules()), Bench::new(CUBE, &capsules()));
+    let (mut births, mut afterwards, mut peak, mut waited) = (0.0_f32, 0.0_f32, 0.0_f32, 0);
+    for tick in 0..400 {
+        let pressed = 5.0e-6 * tick.min(140) as f32;
+        let moved = (tick - tick.min(180)) as f32;
+        let place = Vec3::new(3.0e-6 * moved, 0.0, 0.1 + 0.0232 - pressed);
+        let pose = Pose::new(place, Quat::from_rotation_z(1.0e-4 * moved));
+        let (one, other) = (all.tick(&free, pose), turns.tick(&short, pose));
+        assert!(other.report.work <= 200_000, "tick {tick}: {}", other.report.work);
+        let off = (one.contact.force - other.contact.force).length();
+        waited += usize::from(other.report.flags.contains(Flags::TIER_LOWERED));
+        peak = peak.max(one.contact.force.length());
+        *(if tick < 180 { &mut births } else { &mut afterwards }) =
+            if tick < 180 { births.max(off) } else { afterwards.max(off) };
+        assert!(tick < 180 || one.report.regions == 10 && other.report.regions == 10, "tick {tick}");
+    }
+    println!("peak {peak} N, off {} and {} of it, {waited} ticks waited", births / peak, afterwards / peak);
+    assert!(waited > 200, "{waited} ticks in which a part waited");
+    assert!(births <= OFF_AT_BIRTHS * peak && afterwards <= OFF_AFTERWARDS * peak, "{births} {afterwards} of {peak}");
+}
+
+/// Once a probe is held still every part gets its turn, and then nothing changes any more, to the bit.
+#[test]
+fn a_probe_that_is_held_comes_to_rest_although_its_parts_wait() {
+    let params =
+        Params::new(&ParamsSpec { tier: Tier::Point, work: Some(200_000), guard: GuardSpec::OPEN, ..ParamsSpec::default() })
+            .unwrap();
+    let mut bench = Bench::new(CUBE, &capsules());
+    let held = Pose::new(Vec3::Z * (0.1 + 0.0232 - 7.0e-4), Quat::IDENTITY);
+    let outputs: Vec<_> = (0..100).map(|_| bench.tick(&params, held)).collect();
+    let last = &outputs[99];
+    assert_eq!(last.report.regions, 10);
+    assert!(outputs[50..].iter().all(|output| output.contact == last.contact));
+    let mut all = Bench::new(CUBE, &capsules());
+    let free = Params::new(&ParamsSpec { tier: Tier::Point, guard: GuardSpec::OPEN, ..ParamsSpec::default() }).unwrap();
+    let outputs: Vec<_> = (0..100).map(|_| all.tick(&free, held)).collect();
+    let off = (outputs[99].contact.force - last.contact.force).length();
+    assert!(off <= 2.0e-3 * last.contact.force.length(), "{off}");
 }
 
 #[test]
@@ -348,7 +419,7 @@ fn scene_with(work: u32, folder: &Path) -> String {
 #[test]
 fn eval_shows_what_the_budget_left_and_a_recording_of_it_is_verified() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene_with(1_100_000, folder.path());
+    let scene = scene_with(600_000, folder.path());
     let trajectory = root().join("tests/scenes/ten-regions.csv");
     let run = |args: &[&str]| {
         let output = haptor().args(args).output().unwrap();

@@ -28,8 +28,8 @@ fn table() -> Vec<Kept> {
     rows
 }
 
-/// Instructions of the dearest tick of a kept input, by the released program.
-fn counted(program: &Path, kept: &Kept) -> u64 {
+/// Instructions of the dearest tick of a kept input at a level, by the released program.
+fn counted(program: &Path, kept: &Kept, level: &[String]) -> u64 {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("ticks.haptor");
     haptor()
@@ -41,8 +41,8 @@ fn counted(program: &Path, kept: &Kept) -> u64 {
         .arg(kept.input())
         .assert()
         .success();
-    let (file, samples) = (recording.to_string_lossy(), kept.samples().to_string());
-    let args = [&*file, "--tier", kept.tier(), "--samples", &samples, "count"];
+    let file = recording.to_string_lossy();
+    let args: Vec<&str> = [&*file].into_iter().chain(level.iter().map(String::as_str)).chain(["count"]).collect();
     let marked = &["haptor_host::measure::run::measured_tick"];
     let job = Job { program, args: &args, keep: &[], pattern: "*measured_*", marked, lines: false, folder: folder.path() };
     let said: Value = serde_json::from_str(&job.run().unwrap()).unwrap();
@@ -57,7 +57,7 @@ fn no_worst_tick_grew_beyond_the_table() {
     let grown: Vec<_> = table()
         .iter()
         .filter_map(|kept| {
-            let found = counted(&program, kept);
+            let found = counted(&program, kept, &kept.args());
             let growth = found as f64 / kept.worst as f64;
             (growth > GROWTH).then(|| {
                 format!("{}: {found} instructions, the table has {} ({:+.1} %)", kept.name(), kept.worst, 100.0 * (growth - 1.0))
@@ -65,6 +65,22 @@ fn no_worst_tick_grew_beyond_the_table() {
         })
         .collect();
     assert!(grown.is_empty(), "{}\nif this is the price of something: cargo xtask timing --kept", grown.join("\n"));
+}
+
+/// A budget that a tick is given is kept on the dearest inputs that a search with that budget has found, and on those that are dearest without one.
+#[test]
+fn a_tick_with_a_budget_costs_no_more_than_that() {
+    let program = released("haptor-host", "haptor-measure");
+    let (within, free): (Vec<_>, Vec<_>) = table().into_iter().partition(|kept| kept.work().is_some());
+    assert!(!within.is_empty(), "no row has a budget");
+    for kept in &within {
+        let work: u64 = kept.work().and_then(|work| work.parse().ok()).unwrap();
+        assert!(kept.worst <= work, "{}: {} instructions", kept.name(), kept.worst);
+        for other in free.iter().filter(|other| other.scene == kept.scene) {
+            let found = counted(&program, other, &kept.args());
+            assert!(found <= work, "{}, input of {}: {found} instructions", kept.name(), other.name());
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The dearest inputs of the ready scenes, and the table of what they cost.
 //!
-//! An input is a trajectory file, `tests/bench/worst/SCENE-TIER-SAMPLES.csv`; its row in `tests/bench/WORST.md` has the instructions of its dearest tick, and those
+//! An input is a trajectory file, `tests/bench/worst/SCENE-LEVEL.csv`; its row in `tests/bench/WORST.md` has the instructions of its dearest tick, and those
 //! of the dearest tick of the fixed motions. Needs nothing but the standard library: the test and the developer command that writes the table both include this file.
 
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub struct Kept {
     /// Name of the scene.
     pub scene: String,
-    /// Tier and, where it has any, samples.
+    /// Tier, samples where it has any, and a work budget where it has one: "bristle 64 within 300000".
     pub level: String,
     /// Instructions of the dearest tick.
     pub worst: u64,
@@ -50,6 +50,18 @@ impl Kept {
     /// Samples; for a tier without, a number that it takes.
     pub fn samples(&self) -> u16 {
         self.level.split(' ').nth(1).and_then(|samples| samples.parse().ok()).unwrap_or(64)
+    }
+
+    /// The work budget, in words as it is in the level.
+    pub fn work(&self) -> Option<&str> {
+        self.level.split_once(" within ").map(|(_, work)| work)
+    }
+
+    /// How programs are told the level.
+    pub fn args(&self) -> Vec<String> {
+        let level = [("--tier", self.tier().to_owned()), ("--samples", self.samples().to_string())];
+        let level = level.into_iter().chain(self.work().map(|work| ("--work", work.to_owned())));
+        level.flat_map(|(name, value)| [name.to_owned(), value]).collect()
     }
 }
 

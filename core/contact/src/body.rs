@@ -140,8 +140,8 @@ fn stand_in(object: &ObjectShape<'_>) -> ObjectShape<'static> {
 pub fn normal(model: &Model<'_>, p_wc: Vec3, n: Vec3) -> f32 {
     match model.compliance {
         Some(given) => given.normal,
-        None if n.z >= LEVEL && model.table().is_none() => 0.0,
         None if model.table().is_some() => compliance(model, p_wc, n, 0.0, 0.0).normal,
+        None if n.z >= LEVEL => 0.0,
         None => {
             let beam = beam_under(&stand_in(&model.object), max(p_wc.z - model.fixed_below, 0.0));
             // a top gives none

@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::geometry::edges::{Edges, Left};
 use crate::geometry::outline::Levels;
 use crate::geometry::slice::{Slice, slice};
-use crate::math::{FRAC_1_SQRT_2, GAUSS_4, PI, clamp, max, min, root};
+use crate::math::{FRAC_1_SQRT_2, GAUSS_4, PI, clamp, ln, max, min, pow, root};
 use crate::model::ProbeShape;
 
 /// Depths that are cut, as square roots of their share of the whole: [`PLACES`], and half the depth, which tells how the radius grows.
@@ -67,6 +67,18 @@ impl Growth {
         Self::new(depth, &CUTS.map(cut))
     }
 
+    /// The same for a contact that has grown deeper since it was seen: to `depth` \[m\], by the power of the depth that it grew with there.
+    pub fn stretched(&self, depth: f32) -> Self {
+        if depth <= self.depth {
+            return *self;
+        }
+        let growth = self.radius(1.0) / self.half(1.0);
+        // also false for none
+        let power = if growth > 1.0 { min(ln(growth) / ln(2.0), 1.0) } else { 0.0 };
+        let factor = pow(depth / self.depth, power);
+        Self { depth, radius: self.radius.times(factor), pressed: self.pressed.times(factor), ..*self }
+    }
+
     /// Square root of the share of the contact's depth that `depth` \[m\] is; beyond it the overlap grows no more.
     pub fn share(&self, depth: f32) -> f32 {
         root(min(depth / self.depth, 1.0))
@@ -77,9 +89,14 @@ impl Growth {
         self.half * self.radius.at(s * FRAC_1_SQRT_2)
     }
 
-    /// Radius at a square root of a share of the depth, and the same times the factor of a long footprint \[m\].
-    pub fn at(&self, s: f32) -> (f32, f32) {
-        (self.radius.at(s), self.pressed.at(s))
+    /// Radius at a square root of a share of the depth \[m\].
+    pub fn radius(&self, s: f32) -> f32 {
+        self.radius.at(s)
+    }
+
+    /// The same times the factor of a long footprint \[m\].
+    pub fn pressed(&self, s: f32) -> f32 {
+        self.pressed.at(s)
     }
 
     /// How many times longer than wide the overlap is at the depth of the contact, 1 where it is round.
@@ -104,6 +121,10 @@ impl Quartic {
         let (abcd, bcde) = ((bcd - abc) / (d - a), (cde - bcd) / (e - b));
         let differences = [va, ab, abc, abcd, (bcde - abcd) / (e - a)];
         Self { differences, largest: max(max(max(va, vb), max(vc, vd)), ve) }
+    }
+
+    fn times(&self, factor: f32) -> Self {
+        Self { differences: self.differences.map(|value| value * factor), largest: self.largest * factor }
     }
 
     fn at(&self, s: f32) -> f32 {
@@ -167,14 +188,9 @@ impl Standing<'_> {
     fn on_flat(&self, depth: f32, top: &Slice, share: Option<f32>) -> [Overlap; CUTS.len()] {
         CUTS.map(|s| {
             let depth = depth * s * s;
-            match share {
-                Some(share) if s == 1.0 => self.kept(top.area, top.aspect, share),
-                None if s == 1.0 => self.overlap(top.area, top, top.aspect, depth),
-                _ => {
-                    let slice = self.slice(depth);
-                    self.overlap(slice.area, &slice, slice.aspect, depth)
-                }
-            }
+            let slice = if s < 1.0 { self.slice(depth) } else { *top };
+            let share = share.filter(|_| s == 1.0).unwrap_or_else(|| self.left(&slice, slice.area, depth).share);
+            self.kept(slice.area, slice.aspect, share)
         })
     }
 
@@ -318,7 +334,7 @@ mod tests {
                     if middle + fall * slice(shape, d, middle).area < depth * s * s { low = middle } else { high = middle }
                 }
                 let area = (depth * s * s - low) / fall;
-                let (found, _) = growth.at(s);
+                let found = growth.radius(s);
                 let off = (found / root(area / PI) - 1.0).abs();
                 worst = max(worst, off * s);
                 assert!(off * s < 0.02, "{shape:?} tilt {tilt} place {s}: {found} {}", root(area / PI));
@@ -340,7 +356,7 @@ mod tests {
             let edges = Edges::about(&object, &at, frame, Quat::IDENTITY, lowest, 0.02).unwrap();
             let below = (support(&shape, -n) - lowest).dot(-n);
             let standing = Standing { shape: &shape, d: -n, below, edges: Some(&edges), curvature: 0.0, widest: f32::MAX };
-            let (radius, _) = standing.growth(depth, depth).0.at(1.0);
+            let radius = standing.growth(depth, depth).0.radius(1.0);
             assert!((PI * radius * radius * 1.0e6 - 1.0).abs() < 0.02, "{lean}: {radius}");
         }
     }

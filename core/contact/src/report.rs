@@ -36,7 +36,7 @@ impl Flags {
     pub const LARGE_STRAIN: Self = Self(1 << 9);
     /// A result was not finite; the wrench was set to zero.
     pub const NON_FINITE: Self = Self(1 << 10);
-    /// The tier or its samples were lowered to fit the work budget.
+    /// Something was done less finely to fit the work budget: parts waited for their turn, or the tier, its samples or the passes of a birth were lowered.
     pub const TIER_LOWERED: Self = Self(1 << 11);
     /// A region was born while another waited (one birth per tick).
     pub const BIRTH_WAITS: Self = Self(1 << 12);

@@ -14,6 +14,8 @@ pub struct Contact {
     pub part: u8,
     /// Centre of the patch, `p_wc` \[m\].
     pub centre: Vec3,
+    /// The part's deepest point, `p_wq` \[m\].
+    pub deepest: Vec3,
     /// Unit normal out of the object.
     pub normal: Vec3,
     /// Depth \[m\], above 0.

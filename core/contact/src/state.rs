@@ -9,6 +9,7 @@ use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::GuardState;
 use crate::patch::Patch;
 use crate::report::Flags;
+use crate::scratch::Contact;
 use crate::tier::bristle::Bristle;
 use crate::tier::influence::Trace;
 use crate::wrench::Wrench;
@@ -22,6 +23,8 @@ use crate::wrench::Wrench;
 pub struct State<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize = 0> {
     pub(crate) memory: Memory,
     pub(crate) patches: Vec<Patch, PATCHES>,
+    /// Contacts of the last tick, where there is a work budget: those that the next does not look at are carried on.
+    pub(crate) seen: Vec<Contact, PATCHES>,
     pub(crate) samples: [[Bristle; SAMPLES]; PATCHES],
     pub(crate) traces: [[Trace; TRACES]; PATCHES],
 }
@@ -93,6 +96,7 @@ impl<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize> State<PATC
                 handed_over: false,
             },
             patches: Vec::new(),
+            seen: Vec::new(),
             samples: [[Bristle { force: Vec2::ZERO, slipped: 0.0 }; SAMPLES]; PATCHES],
             traces: [[Trace { lack: Vec2::ZERO, change: Vec2::ZERO }; TRACES]; PATCHES],
         }

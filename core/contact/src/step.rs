@@ -7,7 +7,7 @@
 use glam::Vec3;
 use heapless::VecView;
 
-use crate::budget::{self, Counts, Rung};
+use crate::budget::{self, Rung, Turns};
 use crate::coupling;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
@@ -17,8 +17,9 @@ use crate::model::Model;
 use crate::params::Params;
 use crate::patch::Patch;
 use crate::report::{Flags, PatchReport, Report};
-use crate::scratch::Scratch;
-use crate::stage::{detect, force, regions, torque, wrench};
+use crate::scratch::{Contact, Scratch};
+use crate::stage::detect::{self, Seen};
+use crate::stage::{force, regions, torque, wrench};
 use crate::state::{Memory, State};
 use crate::tier::influence::Stored;
 use crate::wrench::Wrench;
@@ -53,7 +54,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     input: Input,
 ) -> Output {
     scratch.poison();
-    let State { memory, patches, samples, traces } = state;
+    let State { memory, patches, seen, samples, traces } = state;
     let (handle, mut flags) = accept(memory, &input);
     let Some(handle) = handle else { return refused(params, memory, patches, input.dt, flags) };
     let elapsed = core::mem::take(&mut memory.since_last_pose);
@@ -64,20 +65,17 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     let now = coupling::probe_pose(model, params, memory, &handle, elapsed, &mut flags);
     let births = memory.next_serial;
     // 1 detect
-    let asked = budget::samples_to_ask(model, params, memory, &now);
-    let found = detect::detect(model, &now, asked, &mut scratch.contacts);
-    flags |= count_left_out(memory, found.left_out);
+    let mut turns = params.work.map(|work| budget::turns_within(work, model, params, &mut memory.account, &now));
+    let left_out =
+        detect::detect(model, &now, turns.as_mut(), Seen { contacts: seen, pose: memory.last_pose }, &mut scratch.contacts);
+    flags |= count_left_out(memory, left_out);
+    keep_seen(turns.as_ref(), &scratch.contacts, seen);
     // 2 regions
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
-    let (rung, lowered) = match params.work {
-        None => budget::unlimited(params, memory),
-        Some(work) => {
-            let counts = Counts { near: found.near, contacts: &scratch.contacts, patches, asked };
-            budget::choose_within(work, model, params, memory, &counts)
-        }
-    };
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
-    flags |= force::press(model, params, &scratch.contacts, patches) | coarseness(patches, &now);
+    let passes = budget::passes(model, params, turns.as_ref(), patches);
+    flags |= force::press(model, params, &scratch.contacts, patches, passes) | coarseness(patches, &now);
+    let (rung, lowered) = budget::rung(model, params, &mut memory.account, turns.as_ref(), (patches, passes));
     // 4 torque
     let changed = take_up(params, rung, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
@@ -97,6 +95,16 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     remember(params, memory, patches, now, births, flags);
     // 7 guard
     finish(params, memory, patches, Some(&handle), input.dt, flags)
+}
+
+/// Contacts that the next tick may carry on: none where no tick takes turns.
+fn keep_seen(turns: Option<&Turns>, contacts: &[Contact], seen: &mut VecView<Contact>) {
+    seen.clear();
+    if turns.is_some() {
+        for &contact in contacts.iter().take(seen.capacity()) {
+            let _ = seen.push(contact);
+        }
+    }
 }
 
 /// Whether some contact is too shallow for the digits of its place.

@@ -4,6 +4,7 @@ use std::num::NonZeroU16;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use haptor_contact::{MAX_WORK, MIN_WORK};
 use haptor_wire::Tier;
 
 use crate::config::Rt;
@@ -31,6 +32,9 @@ pub struct Args {
     /// Sweeps in place of the recording's
     #[arg(long)]
     pub sweeps: Option<u8>,
+    /// Work that a tick may spend, in instructions, in place of the recording's
+    #[arg(long, value_parser = clap::value_parser!(u32).range(i64::from(MIN_WORK)..=i64::from(MAX_WORK)))]
+    pub work: Option<u32>,
     /// What is measured
     #[command(subcommand)]
     pub how: How,

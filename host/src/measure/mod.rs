@@ -51,11 +51,11 @@ pub fn run(args: &Args) -> Result<(), HostError> {
         How::Count { surface } => {
             let mut seen = surface.map(|points| Seen::new(points.get()));
             let counted = aside(|| {
-                let ticks = count(&mut engine.0, &stream.ops);
+                let works = count(&mut engine.0, &stream.ops);
                 seen.iter_mut().for_each(|seen| seen.update(&engine.0));
-                ticks
+                works
             });
-            counted.map(tell::counted)
+            counted.map(|works| tell::counted(&works))
         }
         How::Fastest { rounds } => {
             aside(|| fastest(&mut engine.0, &stream.ops, rounds, &Monotonic)).map(|least| tell::fastest(&least))

@@ -65,17 +65,16 @@ fn between(engine: &mut Engine<'_>, op: &Op) {
     }
 }
 
-/// Every tick once, without a clock; yields their number.
-pub fn count(engine: &mut Engine<'_>, ops: &[Op]) -> u64 {
-    let mut ticks = 0;
+/// Every tick once, without a clock; yields what each was estimated at, 0 where there is no work budget.
+pub fn count(engine: &mut Engine<'_>, ops: &[Op]) -> Vec<u32> {
+    let mut works = Vec::new();
     for op in ops {
         if let Op::Tick { x_dh, dt } = op {
-            measured_tick(engine, black_box(x_dh), *dt);
-            ticks += 1;
+            works.push(measured_tick(engine, black_box(x_dh), *dt).work);
         }
         between(engine, op);
     }
-    ticks
+    works
 }
 
 /// The least time of each tick over some rounds \[ns\]. Each round begins as the first did only where the stream puts the core at rest.
@@ -192,7 +191,7 @@ mod tests {
     fn every_tick_is_run_and_no_more_are_timed_than_asked_for() {
         let scene = ball();
         let mut engine = scene.engine().unwrap();
-        assert_eq!(engine.with(|engine| count(engine, &press())), 50);
+        assert_eq!(engine.with(|engine| count(engine, &press()).len()), 50);
         let least = engine.with(|engine| fastest(engine, &press(), 2, &Virtual::default()));
         assert_eq!(least, [0; 50]);
         let (mut timed, done) = (Timed::new(), AtomicU64::new(0));

@@ -47,6 +47,7 @@ impl Instead<'_> {
             tier: self.0.tier.map_or(recorded.tier, Into::into),
             samples: self.0.samples.unwrap_or(recorded.samples),
             sweeps: self.0.sweeps.unwrap_or(recorded.sweeps),
+            work: self.0.work.or(recorded.work),
             ..*recorded
         }
     }

@@ -3,7 +3,7 @@
 //! | line | when |
 //! |---|---|
 //! | `{"done":N}` | while it runs: ticks so far |
-//! | `{"ticks":N}` | counted: ticks run |
+//! | `{"ticks":N,"work":[...]}` | counted: ticks run, and the estimate of each, 0 without a work budget |
 //! | `{"least_ns":[...]}` | fastest: one number a tick |
 //! | `{"ticks":N,"clock_ns":..,"preempted":..,"fifo":..,"locked":..,"pinned":..,"p50":..,...,"max":..,"bins":[[upper_ns,count],...]}` | timed |
 
@@ -23,9 +23,10 @@ pub fn progress(done: u64) {
     say(&format!("{{\"done\":{done}}}"));
 }
 
-/// Ticks that were run for a counter.
-pub fn counted(ticks: u64) {
-    say(&format!("{{\"ticks\":{ticks}}}"));
+/// Ticks that were run for a counter, and what each was estimated at.
+pub fn counted(works: &[u32]) {
+    let list: Vec<_> = works.iter().map(u32::to_string).collect();
+    say(&format!("{{\"ticks\":{},\"work\":[{}]}}", works.len(), list.join(",")));
 }
 
 /// The least time of each tick \[ns\].

@@ -19,6 +19,30 @@ use crate::worst::{self, Kept, rows};
 /// Tiers of a ready scene.
 const TIERS: usize = 4;
 
+/// Levels with a work budget, whose searches show that it is kept: ten regions at the counts that a millisecond has room for.
+const BUDGETS: [(&str, &str, &str, &str); 2] =
+    [("ten-regions", "bristle", "64", "300000"), ("ten-regions", "influence", "52", "900000")];
+
+/// A section of the document: a scene at all its levels, or at one with a budget.
+struct Section {
+    scene: &'static str,
+    /// Heading, and folder of the results.
+    title: String,
+    /// How the tool is told the level.
+    level: Vec<&'static str>,
+}
+
+/// All sections of a scene.
+fn sections(scene: &'static str) -> impl Iterator<Item = Section> {
+    let budgets = BUDGETS.into_iter().filter(move |budget| budget.0 == scene);
+    let within = budgets.map(|(scene, tier, samples, work)| Section {
+        scene,
+        title: format!("{scene}, {tier} {samples} within {work}"),
+        level: vec!["--tier", tier, "--samples", samples, "--work", work],
+    });
+    std::iter::once(Section { scene, title: scene.to_owned(), level: Vec::new() }).chain(within)
+}
+
 /// Time of a timed run over that of its ticks: the measuring program leaves a fifth to others.
 const WITH_BREATHS: f64 = 1.25;
 
@@ -43,7 +67,7 @@ pub struct Args {
     /// Folder with the released programs, in place of building them
     #[arg(long, value_name = "DIR")]
     programs: Option<PathBuf>,
-    /// Folder with results of `haptor timing -o DIR/SCENE`, in place of running it
+    /// Folder with results of `haptor timing -o DIR/SECTION`, in place of running it
     #[arg(long, value_name = "DIR", conflicts_with_all = ["kept", "programs"])]
     results: Option<PathBuf>,
 }
@@ -65,13 +89,18 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let formerly_kept = rows(&fs::read_to_string(worst::table_file(root())).unwrap_or_default());
     let (mut text, mut kept) = (head()?, Vec::new());
     for scene in SCENES {
-        if args.has(scene) {
-            let report = report(&results.join(scene).join("timing.json"))?;
-            scene_text(&mut text, scene, &report)?;
-            kept.extend(keep(&results.join(scene), scene, &report)?);
-        } else {
-            text.push_str(section(&former, scene));
+        if !args.has(scene) {
             kept.extend(formerly_kept.iter().filter(|one| one.scene == scene).cloned());
+        }
+        for Section { title, .. } in sections(scene) {
+            if args.has(scene) {
+                let folder = results.join(&title);
+                let report = report(&folder.join("timing.json"))?;
+                scene_text(&mut text, &title, &report)?;
+                kept.extend(keep(&folder, scene, &report)?);
+            } else {
+                text.push_str(former_text(&former, &title));
+            }
         }
     }
     written(&worst::table_file(root()), &worst_table(&kept)?)?;
@@ -85,9 +114,9 @@ impl Args {
     }
 }
 
-/// A scene's part of the document; empty when it has none.
-fn section<'a>(document: &'a str, scene: &str) -> &'a str {
-    let Some(from) = document.find(&format!("\n## {scene}\n")) else { return "" };
+/// A section of the document as it was; empty when it had none.
+fn former_text<'a>(document: &'a str, title: &str) -> &'a str {
+    let Some(from) = document.find(&format!("\n## {title}\n")) else { return "" };
     let part = &document[from..];
     part[1..].find("\n## ").map_or(part, |end| &part[..=end])
 }
@@ -101,19 +130,19 @@ fn written(file: &Path, text: &str) -> Result<ExitCode> {
 /// Runs the tool on every scene; yields the folder with the results.
 fn measure(args: &Args, haptor: &Path) -> Result<PathBuf> {
     let folder = target()?.join("timing");
-    let scenes: Vec<_> = SCENES.into_iter().filter(|scene| args.has(scene)).collect();
+    let sections: Vec<_> = SCENES.into_iter().filter(|scene| args.has(scene)).flat_map(sections).collect();
     let mut left = args.minutes.map(|minutes| f64::from(60 * minutes));
-    for (done, scene) in scenes.iter().enumerate() {
+    for (done, Section { scene, title, level }) in sections.iter().enumerate() {
         let mut command = run::program(haptor);
-        command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]);
+        command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]).args(level);
         command.args(["--search-seconds", &args.search_seconds.to_string(), "--known", worst::FOLDER]);
         if let Some(left) = left {
             // what cheap tiers do not need is left to the dear ones: scenes come cheapest first
-            let each = (left / (TIERS * (scenes.len() - done)) as f64).max(1.0);
+            let each = (left / (TIERS * (sections.len() - done)) as f64).max(1.0);
             command.args(["--time-seconds", &(each as u32).to_string()]);
         }
-        run::run(command.arg("-o").arg(folder.join(scene)))?;
-        let spent: f64 = list(&report(&folder.join(scene).join("timing.json"))?["levels"]).iter().map(seconds).sum();
+        run::run(command.arg("-o").arg(folder.join(title)))?;
+        let spent: f64 = list(&report(&folder.join(title).join("timing.json"))?["levels"]).iter().map(seconds).sum();
         left = left.map(|left| left - spent);
     }
     Ok(folder)
@@ -162,12 +191,17 @@ fn again(haptor: &Path) -> Result<Vec<Kept>> {
     let table = fs::read_to_string(&file).with_context(|| format!("{}", file.display()))?;
     let mut kept = rows(&table);
     for scene in SCENES {
-        let fixed = counts(haptor, &format!("tests/scenes/{scene}.toml"), &["--search-seconds", "0"])?;
+        let mut fixed = counts(haptor, &format!("tests/scenes/{scene}.toml"), &["--search-seconds", "0"])?;
         for one in kept.iter_mut().filter(|one| one.scene == scene) {
+            if one.work().is_some() {
+                let level: Vec<String> = one.args().into_iter().chain(["--search-seconds".into(), "0".into()]).collect();
+                let args: Vec<&str> = level.iter().map(String::as_str).collect();
+                fixed = counts(haptor, &one.scene_file(), &args)?;
+            }
             let level = list(&fixed["levels"]).iter().find(|level| level["name"] == one.level.as_str());
             one.motions = level.map(motions).with_context(|| format!("the scene has no level {}", one.level))?;
-            let (input, samples) = (one.input(), one.samples().to_string());
-            let args = ["--tier", one.tier(), "--samples", &samples, "--poses", &input];
+            let (input, level) = (one.input(), one.args());
+            let args: Vec<&str> = level.iter().map(String::as_str).chain(["--poses", &input]).collect();
             one.worst = number(&counts(haptor, &one.scene_file(), &args)?["levels"][0]["dearest"]["cost"]);
         }
     }

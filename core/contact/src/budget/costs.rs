@@ -13,7 +13,7 @@
 
 use crate::model::{ObjectShape, ProbeShape};
 
-/// A tick without a part, the ladder's own work included. "no contact, one part" less [`PART`], and "base, work to spare" less "base".
+/// A tick without a part, the ladder's own work included. "no contact, one part" less [`PART`].
 pub const TICK: u32 = 1_720;
 
 /// A tick whose pose is that of the tick before, or is refused. "base, held still". 7 % above its row.
@@ -37,35 +37,73 @@ pub const OBJECTS: usize = 8;
 /// Shapes of [`PAIR`].
 pub const SHAPES: usize = 7;
 
-/// Finding, following and pressing one contact, the samples that a mesh is asked for apart. "SHAPE on OBJECT" less "no contact, one part", the first rows of box and cylinder from "SHAPE on wide OBJECT"; for a mesh
-/// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`]. Under edges and
-/// corners of a box they lie up to 34 % above their rows, whose motion meets the dearest corners rarely.
-pub const PAIR: [[u32; SHAPES]; OBJECTS] = [
+/// Looking at one part, following and pressing its contact once, the samples that a mesh is asked for apart. "SHAPE on OBJECT" less "no contact, one part", the first rows of box and cylinder from "SHAPE on wide OBJECT"; for a mesh
+/// "mesh of 32 on OBJECT" less 32 times [`SAMPLE`]. Rows as [`object_row`], columns as [`shape_column`]. On an ellipsoid and
+/// under the rim of a cylinder they are the dearest of looks at parts that lie a centimetre deep, which their rows do not.
+const PAIR: [[u32; SHAPES]; OBJECTS] = [
     [1_780, 15_500, 2_500, 4_450, 5_950, 4_050, 146_000],
-    [2_700, 17_600, 4_850, 6_700, 7_950, 6_150, 152_000],
-    [3_350, 32_800, 6_550, 9_800, 13_200, 8_350, 155_000],
-    [5_550, 39_400, 33_500, 17_700, 32_000, 17_900, 162_000],
-    [2_500, 17_650, 4_950, 6_500, 8_000, 6_200, 154_000],
+    [2_700, 17_600, 4_850, 6_700, 7_950, 6_150, 156_000],
+    [3_350, 42_000, 3_900, 9_800, 13_200, 8_350, 155_000],
+    [5_550, 72_000, 38_500, 38_000, 40_500, 43_500, 162_000],
+    [3_400, 17_650, 4_950, 6_500, 8_000, 6_200, 158_000],
     [26_600, 88_000, 66_000, 66_500, 70_000, 65_500, 173_000],
     [2_800, 60_000, 34_000, 42_000, 60_000, 80_000, 160_000],
-    [6_500, 135_000, 95_000, 157_000, 151_000, 130_000, 260_000],
+    [6_500, 162_000, 95_000, 157_000, 151_000, 138_500, 260_000],
 ];
+
+/// The part of [`PAIR`] that is pressing. On a body that gives way several depths are tried.
+pub const PRESSED: [u32; SHAPES] = [650, 5_000, 1_500, 4_000, 4_000, 4_000, 4_000];
+
+/// The part of [`PAIR`] that is looking, and following what is seen.
+pub const LOOK: [[u32; SHAPES]; OBJECTS] = looks();
+
+const fn looks() -> [[u32; SHAPES]; OBJECTS] {
+    let mut looks = PAIR;
+    let mut row = 0;
+    // bound: OBJECTS
+    while row < OBJECTS {
+        let mut column = 0;
+        // bound: SHAPES
+        while column < SHAPES {
+            looks[row][column] = PAIR[row][column].saturating_sub(PRESSED[column]);
+            column += 1;
+        }
+        row += 1;
+    }
+    looks
+}
+
+/// A look by the edges of a box: what does not depend on counts, each point that the part is asked for, and each slice that is cut. Bounds of looks at parts that walk over edges and corners, most of them up to 10 %
+/// above. Columns as [`shape_column`].
+pub const LOOK_BY_EDGES: [u32; SHAPES] = [2_500, 27_500, 9_600, 6_600, 6_500, 5_500, 160_000];
+/// See [`LOOK_BY_EDGES`].
+pub const ASKED: u32 = 460;
+/// See [`LOOK_BY_EDGES`].
+pub const CUT: [u32; SHAPES] = [0, 2_800, 0, 4_000, 3_400, 4_200, 6_000];
+
+/// Points that a part is asked for where a look needs no search by edges: what proves that it needs none.
+pub const ASKED_AT_LEAST: u32 = 4;
+
+/// What a budget costs itself in a tick with parts that are near, and for each of them. "base, work to spare" less "base", and "influence 52, box, ten regions, work 1000000" less its row without, by 10.
+pub const BUDGET: u32 = 1_250;
+/// See [`BUDGET`].
+pub const BUDGET_PART: u32 = 700;
+
+/// Following a contact whose part is not looked at.
+pub const CARRIED: u32 = 700;
 
 /// One more sample that a mesh is asked for, by all that ask on an object. "mesh on OBJECT" less "mesh of 32 on OBJECT", by 224. Rows as [`object_row`].
 pub const SAMPLE: [u32; OBJECTS] = [16, 80, 80, 76, 80, 80, 355, 120];
 
-/// What two patches cost each other beside friction: groups, dents; for each patch and each other. "no friction, half space, ten regions, twist" less
-/// ten parts and pairs, by 90. 10 % above its row.
-pub const NEIGHBOUR: u32 = 130;
+/// What two patches cost each other beside friction and dents: groups, for each patch and each other. "no friction, half space, ten regions, twist" less
+/// ten parts and pairs, by 90, less [`DENT`]. 10 % above its row.
+pub const NEIGHBOUR: u32 = 80;
 
 /// Joining two regions beyond the limit: for each patch and each other. Counted as [`NEIGHBOUR`] is, which holds one look at every pair.
 pub const EXCESS: u32 = 65;
 
-/// Pressing a ball once more in a tick with a birth. "no friction, box, ten regions, births" less its steady row, with [`DENT_AGAIN`]. Other shapes: all of [`PAIR`].
-pub const BALL_AGAIN: u32 = 650;
-
-/// The dent of a neighbour once more: for each patch and each other.
-pub const DENT_AGAIN: u32 = 50;
+/// The dent of a neighbour, each time a patch is pressed: for each patch and each other. "no friction, box, ten regions, births" less its steady row and ten [`PRESSED`], by 90.
+pub const DENT: u32 = 50;
 
 /// What the body's table adds to pressing a patch. "no friction, box with a table, one region" less "no friction, box, one region, twist". 4 % above its rows.
 pub const TABLE: u32 = 4_000;
@@ -91,10 +129,12 @@ pub const PAPER: u32 = 300;
 /// See [`PAPER`].
 pub const PAPER_SAMPLE: u32 = 131;
 
-/// Tier `bristle`, a patch and a sample. "base, bristle 16", "base" and "base, bristle 256" less "no friction, half space, one region, twist".
+/// Tier `bristle`, a patch, a sample that the contact reaches, and one of a grid that is laid anew. "base, bristle 16", "base" and "base, bristle 256" less "no friction, half space, one region, twist".
 pub const BRISTLE: u32 = 1_800;
 /// See [`BRISTLE`].
-pub const BRISTLE_SAMPLE: u32 = 330;
+pub const BRISTLE_SAMPLE: u32 = 312;
+/// See [`BRISTLE`].
+pub const BRISTLE_LAID: u32 = 60;
 
 /// Tiers `influence` and `green`: a place with its four cells once a tick (loads, laying the grid anew, taking and giving back), a visit of it, and what one other place pulls
 /// at it in a visit. "base, influence 52, one sweep", "influence 52, box, one region, slide" and "base, influence 112" less their rows without friction.

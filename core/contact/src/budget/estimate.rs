@@ -2,17 +2,16 @@
 
 use super::costs::{self, object_row, shape_column};
 use super::rung::Rung;
+use super::turns::Turns;
 use crate::coupling::CouplingSpec;
-use crate::frames::{Pose, ProbeFrame, World};
-use crate::geometry::deepest::{is_clear, part_pose};
 use crate::geometry::support::ASKED_SAMPLES;
 use crate::lanes::LANES;
 use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
-use crate::scratch::Contact;
-use crate::stage::detect::Near;
-use crate::stage::force::passes;
+use crate::stage::detect::{Look, Parts};
+use crate::stage::force::Passes;
+use crate::tier::bristle;
 use crate::tier::influence::Layout;
 
 /// What every tick of a scene has to do: the list of calls, bounding balls, coupling, guard.
@@ -25,10 +24,29 @@ pub fn of_any_tick(model: &Model<'_>, params: &Params) -> u32 {
     costs::TICK.saturating_add(part.saturating_mul(balls)).saturating_add(coupling + passivity)
 }
 
-/// Finding and pressing the contact of one part whose mesh, if it is one, is asked for so many samples, by an edge of the object or away from it.
-fn of_pair(object: &ObjectShape<'_>, part: &ProbePart<'_>, edge: bool, asked: usize) -> u32 {
-    let row = object_row(object, edge);
-    let found = costs::PAIR.get(row).and_then(|row| row.get(shape_column(&part.shape))).copied().unwrap_or(u32::MAX);
+/// Looking for the first time at a part that has come near, whose mesh, if it is one, is asked for so many samples.
+pub fn of_first_look(object: &ObjectShape<'_>, part: &ProbePart<'_>, asked: usize) -> u32 {
+    of_row(object_row(object, true), part, asked)
+}
+
+/// Looking at one part, by what the look met: near edges of a box what is searched and cut is counted, under the rim of a cylinder it is taken at its dearest.
+pub fn of_look(object: &ObjectShape<'_>, part: &ProbePart<'_>, asked: usize, look: &Look) -> u32 {
+    let (column, cuts) = (shape_column(&part.shape), look.contact.map_or(0, |contact| contact.seat.cuts()));
+    let searched = costs::ASKED.saturating_mul(look.asked);
+    if look.asked <= costs::ASKED_AT_LEAST && cuts == 0 {
+        return of_row(object_row(object, false), part, asked).saturating_add(searched);
+    }
+    if !matches!(object, ObjectShape::Box { .. }) {
+        return of_first_look(object, part, asked);
+    }
+    let of_shape = |costs: &[u32; costs::SHAPES]| costs.get(column).copied().unwrap_or(u32::MAX);
+    let cut = of_shape(&costs::CUT).saturating_mul(u32::from(cuts));
+    let samples = of_samples(object_row(object, true), part, asked);
+    of_shape(&costs::LOOK_BY_EDGES).saturating_add(samples).saturating_add(searched).saturating_add(cut)
+}
+
+fn of_row(row: usize, part: &ProbePart<'_>, asked: usize) -> u32 {
+    let found = costs::LOOK.get(row).and_then(|row| row.get(shape_column(&part.shape))).copied().unwrap_or(u32::MAX);
     found.saturating_add(of_samples(row, part, asked))
 }
 
@@ -38,11 +56,10 @@ fn of_samples(row: usize, part: &ProbePart<'_>, asked: usize) -> u32 {
     costs::SAMPLE.get(row).copied().unwrap_or(u32::MAX).saturating_mul(count(asked))
 }
 
-/// Meshes of the probe that are near the object at `x_wp`, each asked for so many samples, and nothing else.
-pub fn of_search(model: &Model<'_>, x_wp: &Pose<World, ProbeFrame>, asked: usize) -> u32 {
-    let meshes = model.probe.iter().filter(|part| is_mesh(part));
-    let near = meshes.filter(|part| !is_clear(&model.object, part, &part_pose(part, x_wp)));
-    near.fold(0, |sum: u32, part| sum.saturating_add(of_pair(&model.object, part, true, asked)))
+/// Looking at the meshes among these parts, each asked for so many samples.
+pub fn of_search(model: &Model<'_>, near: Parts, asked: usize) -> u32 {
+    let meshes = near.of(model.probe).filter(|(_, part)| is_mesh(part));
+    meshes.fold(0, |sum: u32, (_, part)| sum.saturating_add(of_first_look(&model.object, part, asked)))
 }
 
 /// True for a part whose search asks samples.
@@ -50,94 +67,135 @@ pub fn is_mesh(part: &ProbePart<'_>) -> bool {
     matches!(part.shape, ProbeShape::Mesh(_))
 }
 
-/// What stages 1 and 2 have found.
+/// What stages 1 and 2 have found, and how it is pressed.
 #[derive(Clone, Copy, Debug)]
 pub struct Counts<'a> {
-    /// Parts whose bounding ball meets the object.
-    pub near: Near,
-    /// Those that overlap it.
-    pub contacts: &'a [Contact],
+    /// What the looks took.
+    pub spent: u32,
+    /// Parts near the object.
+    pub near: usize,
+    /// Those of them that were not looked at.
+    pub waiting: usize,
     /// Patches that are followed.
     pub patches: &'a [Patch],
-    /// Samples that a mesh is asked for.
-    pub asked: usize,
+    /// How often they are pressed.
+    pub passes: Passes,
 }
 
-impl Counts<'_> {
-    /// What every near part costs, and what a ball does where there is one.
-    fn pairs(&self, model: &Model<'_>, ball: Option<u32>) -> u32 {
-        let parts = self.near.parts(model.probe);
-        parts.fold(0, |sum: u32, (index, part)| {
-            let cost = match ball.filter(|_| matches!(part.shape, ProbeShape::Sphere { .. })) {
-                Some(ball) => ball,
-                None => of_pair(&model.object, part, self.is_at_edge(index), self.asked),
-            };
-            sum.saturating_add(cost)
-        })
+impl<'a> Counts<'a> {
+    /// After stages 1 and 2.
+    pub fn new(turns: &Turns, patches: &'a [Patch], passes: Passes) -> Self {
+        Self { spent: turns.spent(), near: turns.near().count(), waiting: turns.waiting(), patches, passes }
     }
+}
 
-    fn is_at_edge(&self, part: usize) -> bool {
-        self.contacts.iter().any(|contact| usize::from(contact.part) == part && contact.seat.is_at_edge())
-    }
+/// What the budget costs itself beside so many near parts.
+fn of_budget(near: usize) -> u32 {
+    if near > 0 { costs::BUDGET.saturating_add(costs::BUDGET_PART.saturating_mul(count(near))) } else { 0 }
 }
 
 /// Everything of a tick but what friction holds.
 pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u32 {
     let patches = counts.patches.len();
-    let neighbours = neighbours(patches);
-    let (whole, again) = (passes(counts.patches) - 1, of_pressing_again(model, counts));
-    // the newborn is pressed once more, alone
-    let newborn = if whole > 0 { again.checked_div(count(patches)).unwrap_or(0) } else { 0 };
-    let again = count(whole).saturating_mul(again).saturating_add(newborn);
     let excess = count(patches.saturating_sub(params.max_regions));
-    let pairs = counts.pairs(model, None).saturating_add(costs::NEIGHBOUR.saturating_mul(neighbours));
-    [pairs, of_table(model, patches), again, costs::EXCESS.saturating_mul(neighbours * excess)]
+    let joined = costs::EXCESS.saturating_mul(neighbours(patches) * excess);
+    [
+        of_budget(counts.near),
+        costs::CARRIED.saturating_mul(count(counts.waiting)),
+        of_following(patches),
+        joined,
+        of_pressing(model, counts.patches, counts.passes),
+    ]
+    .into_iter()
+    .fold(of_any_tick(model, params).saturating_add(counts.spent), u32::saturating_add)
+}
+
+/// The same before anything is looked at, without the looks: as if every near part were a patch and one of them newborn, pressed as rarely as may be.
+pub fn beside_looks(model: &Model<'_>, params: &Params, near: Parts) -> u32 {
+    let parts = near.count();
+    let press = |part: &ProbePart<'_>| of_press(model, part, parts);
+    let each = near.of(model.probe).fold(0, |sum: u32, (_, part)| sum.saturating_add(press(part)));
+    let newborn = near.of(model.probe).map(|(_, part)| press(part)).fold(0, u32::max);
+    let carried = costs::CARRIED.saturating_mul(count(parts));
+    // at most as many regions too many as there are parts
+    let joined = costs::EXCESS.saturating_mul(neighbours(parts) * count(parts.saturating_sub(params.max_regions)));
+    [of_budget(parts), each, newborn, carried, joined, of_following(parts)]
         .into_iter()
         .fold(of_any_tick(model, params), u32::saturating_add)
 }
 
-/// One more pass over the patches: what a pair of shapes costs holds what its pressing does.
-fn of_pressing_again(model: &Model<'_>, counts: &Counts<'_>) -> u32 {
-    let patches = counts.patches.len();
-    let dents = costs::DENT_AGAIN.saturating_mul(neighbours(patches));
-    counts.pairs(model, Some(costs::BALL_AGAIN)).saturating_add(dents).saturating_add(of_table(model, patches))
+/// Following so many patches, and grouping them.
+fn of_following(patches: usize) -> u32 {
+    costs::NEIGHBOUR.saturating_mul(neighbours(patches))
 }
 
-/// What the body's table adds to pressing so many patches.
-fn of_table(model: &Model<'_>, patches: usize) -> u32 {
-    match model.table() {
-        Some(_) => {
-            costs::TABLE.saturating_mul(count(patches)).saturating_add(costs::TABLE_NEIGHBOUR.saturating_mul(neighbours(patches)))
-        }
-        None => 0,
-    }
+/// Pressing the patches, and once more the newborn where one is pressed apart.
+fn of_pressing(model: &Model<'_>, patches: &[Patch], passes: Passes) -> u32 {
+    let press = |patch: &Patch| model.probe.get(usize::from(patch.part)).map_or(0, |part| of_press(model, part, patches.len()));
+    let whole = patches.iter().fold(0, |sum: u32, patch| sum.saturating_add(press(patch)));
+    let newborn = patches.last().filter(|_| passes.newborn).map_or(0, press);
+    whole.saturating_mul(count(passes.whole)).saturating_add(newborn)
 }
 
-/// What friction holds, on a rung, in so many patches; 0 where there is none.
-pub fn of_grip(model: &Model<'_>, params: &Params, rung: Rung, patches: usize) -> u32 {
-    if params.mu_s <= 0.0 {
-        return 0;
-    }
-    let (tier, neighbours) = (of_tier(rung).saturating_mul(count(patches)), neighbours(patches));
+/// Pressing one part beside so many patches once.
+fn of_press(model: &Model<'_>, part: &ProbePart<'_>, patches: usize) -> u32 {
+    let others = count(patches.saturating_sub(1));
+    let (table, of_others) = match model.table() {
+        Some(_) => (costs::TABLE, costs::TABLE_NEIGHBOUR),
+        None => (0, 0),
+    };
+    let shape = costs::PRESSED.get(shape_column(&part.shape)).copied().unwrap_or(u32::MAX);
+    shape.saturating_add(table).saturating_add(costs::DENT.saturating_add(of_others).saturating_mul(others))
+}
+
+/// What friction holds in these patches on a rung; 0 where there is none.
+pub fn of_grip(model: &Model<'_>, params: &Params, rung: Rung, patches: &[Patch]) -> u32 {
+    let tier = patches.iter().fold(0, |sum: u32, patch| sum.saturating_add(of_patch(rung, patch)));
+    if params.mu_s > 0.0 { tier.saturating_add(of_ground(model, rung, patches.len())) } else { 0 }
+}
+
+/// The same for so many patches, whatever they are.
+pub fn of_dearest_grip(model: &Model<'_>, params: &Params, rung: Rung, patches: usize) -> u32 {
+    let tier = of_tier(rung).saturating_mul(count(patches));
+    if params.mu_s > 0.0 { tier.saturating_add(of_ground(model, rung, patches)) } else { 0 }
+}
+
+/// How the ground under so many patches moves.
+fn of_ground(model: &Model<'_>, rung: Rung, patches: usize) -> u32 {
     if rung.tier == Tier::Paper {
-        return tier;
+        return 0;
     }
     let grounded = model.object != ObjectShape::HalfSpace;
     let ground = if grounded { costs::GROUND.saturating_mul(count(patches)) } else { 0 };
     let moved = match model.table() {
-        Some(_) => costs::GROUND_TABLE_NEIGHBOUR.saturating_mul(neighbours),
+        Some(_) => costs::GROUND_TABLE_NEIGHBOUR.saturating_mul(neighbours(patches)),
         None if patches > 1 => costs::GROUND_FOUR.saturating_mul(count(patches * patches.div_ceil(LANES))),
         None => 0,
     };
-    tier.saturating_add(ground).saturating_add(moved)
+    ground.saturating_add(moved)
 }
 
-/// One patch on a rung, its ground apart.
+/// One patch on a rung, its ground apart: of bristles those that the contact reaches, and all that are laid where it has outgrown its grid.
+fn of_patch(rung: Rung, patch: &Patch) -> u32 {
+    if rung.tier != Tier::Bristle {
+        return of_tier(rung);
+    }
+    let (rings, radius) = (bristle::Layout::rings_of(usize::from(rung.samples)), patch.footprint.radius);
+    let laid = if patch.grid.is_outgrown(rings, radius) { bristle::MAX_RINGS.min(patch.grid.rings.max(rings)) } else { 0 };
+    let samples = |rings: usize| count(bristle::AROUND * rings);
+    let held = costs::BRISTLE_SAMPLE.saturating_mul(samples(patch.grid.reached(rings, radius)));
+    costs::BRISTLE.saturating_add(held).saturating_add(costs::BRISTLE_LAID.saturating_mul(samples(laid)))
+}
+
+/// One patch on a rung, its ground apart, whatever it is.
 fn of_tier(rung: Rung) -> u32 {
     match rung.tier {
         Tier::Point => costs::POINT,
         Tier::Paper => costs::PAPER.saturating_add(costs::PAPER_SAMPLE.saturating_mul(u32::from(rung.samples))),
-        Tier::Bristle => costs::BRISTLE.saturating_add(costs::BRISTLE_SAMPLE.saturating_mul(u32::from(rung.samples))),
+        Tier::Bristle => {
+            let sample = costs::BRISTLE_SAMPLE.saturating_add(costs::BRISTLE_LAID);
+            costs::BRISTLE.saturating_add(sample.saturating_mul(u32::from(rung.samples)))
+        }
         Tier::Influence | Tier::Green => of_cells(rung),
     }
 }

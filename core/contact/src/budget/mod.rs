@@ -4,11 +4,19 @@
 //! and its other work. What a unit takes on a machine, a host measures. An *estimate* is an upper bound from counts (parts near the object, patches, samples,
 //! sweeps) times unit costs (`costs.rs`). A *rung* is a setting of tier, samples and sweeps ([`Rung`]); the highest is what the parameters ask for.
 //!
-//! Where a budget is set, each tick picks its rung once the patches are known and before forces are computed. A rung that does not fit is left **at once**, as many
+//! Where a budget is set, each tick picks its rung once its patches are pressed and before friction is computed. A rung that does not fit is left **at once**, as many
 //! steps down as it takes; a higher one is gone back to **one step** after [`CALM_TICKS`] ticks in a row in which it would have fitted with a margin ([`MARGIN`]). The order in
-//! which a tick gives way: first the surface that somebody looks at, which gets what the tick has left ([`deform`](crate::deform)); then the grip's rungs; last, where the
-//! lowest rung does not fit beside the search of meshes, the samples which that search asks. Contacts are never left out for work: what is left when all has given way is
-//! done, flagged [`TIER_LOWERED`](crate::Flags::TIER_LOWERED), and the report's work says that it is more than the budget.
+//! which a tick gives way:
+//!
+//! 1. the surface that somebody looks at, which gets what the tick has left ([`deform`](crate::deform));
+//! 2. the looks at parts that were looked at lately: the parts take **turns**, a quarter of them a tick, and the contacts of the others go with their parts (`turns.rs`);
+//! 3. the grip's rungs;
+//! 4. the second pass of pressing after a birth;
+//! 5. the samples that the search of meshes asks, where that and the lowest rung do not fit together;
+//! 6. more of the looks, down to one part a tick.
+//!
+//! What is left when all has given way is done, and the report's work says that it is more than the budget. A tick in which anything but the surface gave way is flagged
+//! [`TIER_LOWERED`](crate::Flags::TIER_LOWERED).
 //!
 //! The same budget, poses and settings give the same rungs on every machine, so a recording computed again comes out to the bit. A change of rung carries
 //! the force over: what a patch holds is what the other tier, or the other grid, begins with.
@@ -18,19 +26,25 @@
 mod costs;
 mod estimate;
 mod rung;
+mod turns;
 
 pub use estimate::{of_surface, of_vertex};
 pub use rung::Rung;
+pub(crate) use turns::Turns;
 
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::geometry::support::ASKED_SAMPLES;
-use crate::limits::MIN_SAMPLES;
+use crate::limits::{MAX_PARTS, MIN_SAMPLES};
 use crate::model::Model;
 use crate::params::Params;
+use crate::patch::Patch;
 use crate::report::Flags;
+use crate::stage::detect::{Parts, near};
+use crate::stage::force::Passes;
 use crate::state::Memory;
-pub(crate) use estimate::Counts;
+use estimate::Counts;
 use rung::MAX_STEPS;
+use turns::{Room, Round, Turn};
 
 /// Ticks in a row in which the next rung up must fit before it is taken: a tenth of a second at 1 kHz, longer than a contact that chatters.
 pub const CALM_TICKS: u8 = 100;
@@ -89,67 +103,113 @@ pub(crate) struct Account {
     search: Ladder,
     /// What the steps of the grip are counted from.
     wanted: Option<Rung>,
+    /// Whose turn it is to be looked at.
+    round: Round,
+    /// Estimate of what friction took in the last tick.
+    held: u32,
     /// Estimate of the last tick; 0 without a budget.
     pub work: u32,
 }
 
 impl Account {
     /// Without history.
-    pub const NEW: Self = Self { grip: Ladder::TOP, search: Ladder::TOP, wanted: None, work: 0 };
+    pub const NEW: Self =
+        Self { grip: Ladder::TOP, search: Ladder::TOP, wanted: None, round: [Turn::NONE; MAX_PARTS], held: 0, work: 0 };
 
-    /// The ladders stay where they are while nothing moves.
-    pub const fn is_settled(&self) -> bool {
-        self.grip.is_settled() && self.search.is_settled()
+    /// The ladders stay where they are while nothing moves, and no part waits.
+    pub fn is_settled(&self) -> bool {
+        self.grip.is_settled() && self.search.is_settled() && self.round.iter().all(|turn| turn.waited == 0)
     }
 }
 
-/// Samples that a mesh is asked in this tick: all that are ever asked without a budget, fewer where the search and the lowest rung do not fit together.
-#[inline]
-pub(crate) fn samples_to_ask(model: &Model<'_>, params: &Params, memory: &mut Memory, x_wp: &Pose<World, ProbeFrame>) -> usize {
-    match params.work {
-        Some(work) if model.probe.iter().any(estimate::is_mesh) => choose_samples(model, params, memory, work, x_wp),
-        _ => ASKED_SAMPLES,
-    }
-}
-
-fn choose_samples(model: &Model<'_>, params: &Params, memory: &mut Memory, work: u32, x_wp: &Pose<World, ProbeFrame>) -> usize {
-    let lowest = params.rung.below(MAX_STEPS);
-    let beside = estimate::of_any_tick(model, params).saturating_add(estimate::of_grip(model, params, lowest, model.probe.len()));
-    let asked = |steps: u8| ASKED_SAMPLES >> steps;
-    let search = &mut memory.account.search;
-    asked(search.settle(work.saturating_sub(beside), SEARCH_STEPS, |steps| estimate::of_search(model, x_wp, asked(steps))))
-}
-
-/// The rung of a tick without a budget: the highest.
-#[inline]
-pub(crate) fn unlimited(params: &Params, memory: &mut Memory) -> (Rung, Flags) {
-    if memory.account.wanted.is_some() {
-        memory.account = Account::NEW;
-    }
-    (params.rung, Flags::CLEAN)
-}
-
-/// The rung of a tick that may spend `work`, and whether that is less than the parameters ask for.
+/// The turns of a tick that may spend `work`, at probe pose `x_wp`.
 #[cold]
 #[inline(never)]
-pub(crate) fn choose_within(
+pub(crate) fn turns_within(
     work: u32,
     model: &Model<'_>,
     params: &Params,
-    memory: &mut Memory,
-    counts: &Counts<'_>,
+    account: &mut Account,
+    x_wp: &Pose<World, ProbeFrame>,
+) -> Turns {
+    let near = near(model, x_wp);
+    let lowest = estimate::of_dearest_grip(model, params, params.rung.below(MAX_STEPS), near.count());
+    let beside = estimate::beside_looks(model, params, near);
+    let asked = samples_to_ask(model, account, near, work.saturating_sub(beside).saturating_sub(lowest));
+    let room = |grip: u32| work.saturating_sub(beside).saturating_sub(grip);
+    let room = Room { beside: room(account.held.max(lowest)), most: room(lowest) };
+    Turns::new(near, asked, room, account.round)
+}
+
+/// Samples that a mesh is asked in this tick: fewer where the search and the lowest rung do not fit together.
+fn samples_to_ask(model: &Model<'_>, account: &mut Account, near: Parts, room: u32) -> usize {
+    if !model.probe.iter().any(estimate::is_mesh) {
+        return ASKED_SAMPLES;
+    }
+    let asked = |steps: u8| ASKED_SAMPLES >> steps;
+    asked(account.search.settle(room, SEARCH_STEPS, |steps| estimate::of_search(model, near, asked(steps))))
+}
+
+/// How often the patches are pressed: as often as they need it where there is no budget, or that fits beside the lowest rung.
+#[inline]
+pub(crate) fn passes(model: &Model<'_>, params: &Params, turns: Option<&Turns>, patches: &[Patch]) -> Passes {
+    let passes = Passes::of(patches);
+    match (params.work, turns) {
+        (Some(work), Some(turns)) if passes.newborn => passes_within(work, model, params, turns, (patches, passes)),
+        _ => passes,
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn passes_within(work: u32, model: &Model<'_>, params: &Params, turns: &Turns, (patches, passes): (&[Patch], Passes)) -> Passes {
+    let lowest = estimate::of_dearest_grip(model, params, params.rung.below(MAX_STEPS), patches.len());
+    let whole = estimate::of_contacts(model, params, &Counts::new(turns, patches, passes));
+    if whole.saturating_add(lowest) <= work { passes } else { passes.fewest() }
+}
+
+/// The rung of a tick whose patches are pressed, and whether that, or anything before it, is less than the parameters ask for. The highest where there is no budget.
+#[inline]
+pub(crate) fn rung(
+    model: &Model<'_>,
+    params: &Params,
+    account: &mut Account,
+    turns: Option<&Turns>,
+    pressed: (&[Patch], Passes),
 ) -> (Rung, Flags) {
-    let (wanted, patches) = (params.rung, counts.patches.len());
-    let contacts = estimate::of_contacts(model, params, counts);
-    let cost = |steps: u8| contacts.saturating_add(estimate::of_grip(model, params, wanted.below(steps), patches));
-    let account = &mut memory.account;
+    match (params.work, turns) {
+        (Some(work), Some(turns)) => rung_within(work, model, params, account, turns, pressed),
+        _ => {
+            if account.wanted.is_some() {
+                *account = Account::NEW;
+            }
+            (params.rung, Flags::CLEAN)
+        }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn rung_within(
+    work: u32,
+    model: &Model<'_>,
+    params: &Params,
+    account: &mut Account,
+    turns: &Turns,
+    (patches, passes): (&[Patch], Passes),
+) -> (Rung, Flags) {
+    let wanted = params.rung;
+    let contacts = estimate::of_contacts(model, params, &Counts::new(turns, patches, passes));
+    let held = |steps: u8| estimate::of_grip(model, params, wanted.below(steps), patches);
     if account.wanted != Some(wanted) {
         // another ladder: it is begun at its top, and left at once as far as need be
         (account.grip, account.wanted) = (Ladder::TOP, Some(wanted));
     }
-    let steps = account.grip.settle(work, wanted.steps_down(), cost);
-    account.work = cost(steps);
-    let lowered = steps > 0 || counts.asked < ASKED_SAMPLES;
+    let steps = account.grip.settle(work, wanted.steps_down(), |steps| contacts.saturating_add(held(steps)));
+    account.held = held(steps);
+    account.work = contacts.saturating_add(account.held);
+    account.round = turns.round();
+    let lowered = steps > 0 || turns.asked() < ASKED_SAMPLES || turns.waiting() > 0 || passes.is_short();
     (wanted.below(steps), if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN })
 }
 

@@ -5,6 +5,8 @@
 //! plane through the part's deepest point at right angles to the normal; the share of the part's slice that lies over this cut counts. Away
 //! from edges the share is exactly 1. Frame of the part, SI units.
 
+use core::cell::Cell;
+
 use glam::{Quat, Vec2, Vec3};
 
 use crate::geometry::deepest::Deepest;
@@ -39,6 +41,16 @@ impl Face {
     fn is_in_reach(&self) -> bool {
         self.slack < OUT_OF_REACH
     }
+
+    /// Slack where the deepest point stands higher by `lift` \[m\].
+    fn limit(&self, lift: f32) -> f32 {
+        self.slack - self.rise * lift
+    }
+
+    /// Least slack at any depth up to `depth` \[m\].
+    fn least(&self, depth: f32) -> f32 {
+        self.slack - max(self.rise, 0.0) * depth
+    }
 }
 
 /// The round side of a cylinder as seen from the deepest point.
@@ -52,7 +64,7 @@ struct Side {
 }
 
 /// The object's edges about a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Edges {
     faces: [Face; FACES],
     side: Option<Side>,
@@ -62,6 +74,8 @@ pub struct Edges {
     lowest: Vec3,
     /// Depth of that point \[m\].
     depth: f32,
+    /// Slices cut by now.
+    cuts: Cell<u8>,
 }
 
 /// What is left of a slice.
@@ -111,12 +125,12 @@ impl Edges {
             _ => return None,
         };
         let depth = -at.gap.distance;
-        let mut edges = Self { faces, side, frame: frame.map(|e| to_part * e), lowest, depth };
+        let mut edges = Self { faces, side, frame: frame.map(|e| to_part * e), lowest, depth, cuts: Cell::new(0) };
         let mut near = edges.side.is_some_and(|side| side.radius - root(side.off.length_squared()) < reach);
         for face in &mut edges.faces {
             let far = reach * root(face.along.length_squared());
             near |= face.slack < far;
-            if face.slack - max(face.rise, 0.0) * depth >= far {
+            if face.least(depth) >= far {
                 face.slack = OUT_OF_REACH;
             }
         }
@@ -131,7 +145,7 @@ impl Edges {
             let e = e1 * along.x + e2 * along.y;
             (support(shape, e) - self.lowest).dot(e)
         };
-        let over = |face: &Face| face.is_in_reach() && face.slack - max(face.rise, 0.0) * self.depth < reach(face.along);
+        let over = |face: &Face| face.is_in_reach() && face.least(self.depth) < reach(face.along);
         self.faces.iter().any(over) || self.side.is_some_and(|side| side.is_crossed(self.depth, reach))
     }
 
@@ -177,7 +191,7 @@ impl Edges {
                 return true;
             }
             let reach = face.along.dot(along).abs() * long + face.along.perp_dot(along).abs() * wide;
-            face.along.dot(middle) + reach <= face.slack - face.rise * lift
+            face.along.dot(middle) + reach <= face.limit(lift)
         };
         self.side.is_none() && self.faces.iter().all(keeps)
     }
@@ -195,7 +209,7 @@ impl Edges {
         let held = min(INSIDE * exit, 1.0);
         let (start, way) = (middle * (1.0 - held), middle * held);
         let out = |out: f32, face: &Face| {
-            let (speed, room) = (face.along.dot(way), face.slack - face.rise * lift - face.along.dot(start));
+            let (speed, room) = (face.along.dot(way), face.limit(lift) - face.along.dot(start));
             if speed > 0.0 { min(out, room / speed) } else { out }
         };
         let out = self.faces.iter().fold(2.0, out);
@@ -224,12 +238,18 @@ impl Edges {
         (cut.share, cut.after - cut.before)
     }
 
+    /// How many slices were cut by now.
+    pub fn cuts(&self) -> u8 {
+        self.cuts.get()
+    }
+
     /// Cuts a polygon by the object's faces and, seen from the point `inner`, by tangents of its round side.
     fn cut(&self, corners: &[Vec2], inner: Vec2, lift: f32) -> Cut {
+        self.cuts.set(self.cuts.get().wrapping_add(1));
         let reach2 = corners.iter().fold(0.0, |reach2, corner| max(reach2, corner.length_squared()));
         let mut polygon = Polygon::of(corners);
         for face in self.faces.iter().filter(|face| face.is_in_reach()) {
-            let limit = face.slack - face.rise * lift;
+            let limit = face.limit(lift);
             if limit <= 0.0 || limit * limit < face.along.length_squared() * reach2 {
                 polygon.clip(face.along, limit);
             }

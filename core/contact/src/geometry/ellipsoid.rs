@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use crate::math::{direction, max, root};
+use crate::math::{max, root};
 
 /// Newton steps. From the bound below, 12 reach f32 accuracy for semi-axes up to 1:10 anywhere but on the focal disc.
 const STEPS: usize = 12;
@@ -23,11 +23,10 @@ pub fn closest_point(semi_axes: Vec3, q: Vec3) -> Vec3 {
     if on_surface.is_finite() { on_surface * scale } else { Vec3::Z * semi_axes.z }
 }
 
-/// Outward unit normal at the surface point `x`.
-pub fn normal(semi_axes: Vec3, x: Vec3) -> Vec3 {
-    let scale = semi_axes.max_element();
-    let a = semi_axes / scale;
-    direction(x / (a * a), Vec3::Z)
+/// Along the outward normal at the surface point `x`, of any length.
+pub fn gradient(semi_axes: Vec3, x: Vec3) -> Vec3 {
+    let a = semi_axes / semi_axes.max_element();
+    x / (a * a)
 }
 
 /// Largest root t of sum (m_i / (t + s_i))^2 = 1 with m = a_i q_i and s = a_i^2.
@@ -51,6 +50,7 @@ fn multiplier(squares: Vec3, m: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::direction;
 
     #[test]
     fn closest_points_are_on_the_surface_and_along_the_normal() {
@@ -60,7 +60,7 @@ mod tests {
             let q = Vec3::new(0.09 * (f * 0.7).sin_(), 0.08 * (f * 1.3).sin_(), 0.07 * (f * 2.1).sin_());
             let x = closest_point(a, q);
             assert!(((x / a).length_squared() - 1.0).abs() < 1.0e-5, "{q}");
-            let n = normal(a, x);
+            let n = direction(gradient(a, x), Vec3::Z);
             let off = q - x;
             let sideways = off - n * off.dot(n);
             // inside the focal region the foot is not unique and the alignment is not required

@@ -6,11 +6,14 @@
 //! norm, and at the least the **moments** r_i s_i of the support point are even: on smooth parts all at once by Broyden's method, on flats by searches of one root
 //! within that of another. A capsule is the deepest of the balls along its **spine**.
 
-use glam::{Mat2, Vec2, Vec3};
+use core::cell::Cell;
 
-use crate::geometry::deepest::Deepest;
+use glam::{Mat2, Vec3};
+
+use crate::geometry::deepest::{Deepest, count};
 use crate::geometry::gap::{self, Gap};
 use crate::geometry::share::Share;
+use crate::geometry::trial::{Trial, fifth};
 use crate::math::{clamp, direction, max, min, root};
 
 /// Trials of a share, at most: secants on smooth parts, ties of two corners on flats.
@@ -31,9 +34,6 @@ const SPINE_STEPS: usize = 16;
 /// Difference of two such places that are as good as one.
 const SPINE_SETTLED: f32 = 1.0e-6;
 
-/// Share of itself that a root may lose in a step.
-const MOST_FALL: f32 = 0.5;
-
 /// Least slack that is guessed from, as a share of the box's smallest half edge: descent may have ended outside.
 const LEAST_GUESS: f32 = 0.02;
 
@@ -52,6 +52,9 @@ pub const SETTLED: f32 = 1.0e-3;
 /// Share of its depth, and of the object, by which a point that is taken without descent may miss the deepest.
 const SURE: f32 = 1.0e-4;
 const SURE_SLACK: f32 = 1.0e-7;
+
+/// Sum of the fourth powers of a depth over the slacks of the far faces: they take a quarter of it, two and a half times what a proof allows.
+const FAR: f32 = 1.0e-3;
 
 /// Rounding of a slack, as a share of the object.
 const ROUNDING: f32 = 2.0e-8;
@@ -82,64 +85,17 @@ struct Search<F> {
     support: F,
 }
 
-/// One trial: the roots of the weights and the support point against them.
-#[derive(Clone, Copy)]
-struct Trial {
-    roots: Vec3,
-    point: Vec3,
-    slack: Vec3,
-}
-
-impl Trial {
-    fn moments(&self) -> Vec3 {
-        self.roots * self.slack
-    }
-
-    /// The weights, with their norm: what they say of the slacks is no less than the depth anywhere in the part.
-    fn weights(&self) -> Vec3 {
-        let squares = self.roots * self.roots;
-        let whole = (squares * squares).element_sum();
-        fifth(self.roots) / (whole * root(root(whole)))
-    }
-
-    /// How far the moments of the first two faces lead that of the third.
-    fn leads(&self) -> Vec2 {
-        let moments = self.moments();
-        Vec2::new(moments.x - moments.z, moments.y - moments.z)
-    }
-
-    /// How the leads grow with the first two roots, on a part that is a ball of radius `round` about the point, or a corner.
-    fn slopes(&self, round: f32) -> Mat2 {
-        let (roots, squares) = (self.roots, self.roots * self.roots);
-        let fourth = squares * squares;
-        let weights = fourth * roots;
-        let length = root(weights.length_squared());
-        let out = weights / length;
-        // the point turns about the ball's centre as the weights do
-        let turn = fourth * (5.0 * round / length);
-        let moved = |i: Vec3| i * (self.slack + roots * turn) - roots * out * (out * turn).dot(i);
-        let (x, y, z) = (moved(Vec3::X), moved(Vec3::Y), moved(Vec3::Z));
-        let (x, y) = (x - z, y - z);
-        Mat2::from_cols(Vec2::new(x.x - x.z, x.y - x.z), Vec2::new(y.x - y.z, y.y - y.z))
-    }
-
-    /// A step of the first two roots, cut so that each root keeps at least a share of itself.
-    fn kept_inside(&self, step: Vec2) -> Vec2 {
-        let fall = |root: f32, step: f32| if step < 0.0 { -MOST_FALL * root / step } else { 1.0 };
-        let third = fall(self.roots.z, -step.x - step.y);
-        step * min(1.0, min(third, min(fall(self.roots.x, step.x), fall(self.roots.y, step.y))))
-    }
-}
-
 /// The segment along the middle of a part that is as thick everywhere: a capsule. In world, about the box's centre where a search has it.
 #[derive(Clone, Copy, Debug)]
-pub struct Spine {
+pub struct Spine<'a> {
     /// Its start \[m\].
     pub start: Vec3,
     /// The way to its end \[m\].
     pub way: Vec3,
     /// Radius of the part about it \[m\].
     pub radius: f32,
+    /// How often the part was asked for a point.
+    pub asked: &'a Cell<u32>,
 }
 
 /// The deepest point and the unit normal there, from one found by descent: `at` is its gap, `centre` the box's, `support` the part's farthest point along a direction, in world.
@@ -149,7 +105,7 @@ pub fn under_edge(
     centre: Vec3,
     at: &Deepest,
     reach: f32,
-    spine: Option<Spine>,
+    spine: Option<Spine<'_>>,
     support: impl Fn(Vec3) -> Vec3,
 ) -> Option<(Vec3, Vec3)> {
     let (search, place) = search_about(half, centre, at, spine.map_or(0.0, |spine| spine.radius), support);
@@ -157,9 +113,7 @@ pub fn under_edge(
     if search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
         return None;
     }
-    let spine = spine.map(|spine| Spine { start: spine.start - centre, ..spine });
-    let along = spine.filter(|_| depth > 0.0).and_then(|spine| search.along(&spine, place));
-    let found = along.or_else(|| search.over_two(slack, depth)).or_else(|| search.evened(slack));
+    let found = search.along_or_over_two(spine, centre, place, depth).or_else(|| search.evened(slack));
     let found = found.unwrap_or_else(|| search.over(slack));
     Some((found.point + centre, search.normal(&found)))
 }
@@ -169,15 +123,14 @@ pub fn over_edge(
     half: Vec3,
     centre: Vec3,
     at: &Deepest,
-    spine: Option<Spine>,
+    spine: Option<Spine<'_>>,
     support: impl Fn(Vec3) -> Vec3,
 ) -> Option<Deepest> {
     let (search, place) = search_about(half, centre, at, 0.0, support);
-    if search.missed {
+    if search.missed || search.is_beyond_proof(-at.gap.distance) {
         return None;
     }
-    let along = spine.and_then(|spine| search.along(&Spine { start: spine.start - centre, ..spine }, place));
-    let found = along.or_else(|| search.over_two(search.slack(place), -at.gap.distance))?;
+    let found = search.along_or_over_two(spine, centre, place, -at.gap.distance)?;
     let distance = gap::of_box(half, found.point).distance;
     let is_sure = distance <= at.gap.distance && search.is_proven(&found, -distance);
     is_sure.then(|| Deepest { point: found.point + centre, gap: Gap { distance, normal: search.normal(&found) } })
@@ -202,6 +155,11 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         self.half - self.sign * place
     }
 
+    /// What weights with their norm say of the whole part: no point of it is deeper.
+    fn bound(&self, weights: Vec3) -> f32 {
+        weights.dot(self.slack((self.support)(-(weights * self.sign))))
+    }
+
     /// True when only one face is near and the depth found there meets the bound that its weights give from above.
     fn is_settled(&self, slack: Vec3, depth: f32, reach: f32) -> bool {
         // a descent that found no overlap may have missed a shallow one by an edge
@@ -214,16 +172,21 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         }
         let share = Vec3::splat(depth) / slack;
         let weights = share * share * share * share * share;
-        let bound = weights.dot(self.half - self.sign * (self.support)(-(weights * self.sign)));
-        bound - depth <= SETTLED * depth
+        self.bound(weights) - depth <= SETTLED * depth
     }
 
     /// True where the moments of a trial over two faces are even, and the depth of its point meets the bound that its weights give from above.
     fn is_proven(&self, trial: &Trial, depth: f32) -> bool {
         let (moments, weights, size) = (trial.moments(), trial.weights(), self.half.max_element());
         let uneven = 2.0 * moments.max_element() - moments.element_sum();
-        let bound = weights.dot(self.slack((self.support)(-(weights * self.sign))));
+        let bound = self.bound(weights);
         uneven <= SURE * moments.max_element() + ROUNDING * size && bound - depth <= max(SURE * bound, SURE_SLACK * size)
+    }
+
+    /// True where nothing that is at least so deep is proven by near faces alone: the far ones, no farther than the box is wide less the depth, take more of it than a proof allows.
+    fn is_beyond_proof(&self, depth: f32) -> bool {
+        let share = Vec3::splat(depth) / (2.0 * self.half - depth);
+        (share * share).length_squared() > FAR && SURE * depth > SURE_SLACK * self.half.max_element()
     }
 
     /// True where descent found no overlap because the whole part lies beyond one of the faces.
@@ -233,15 +196,27 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
 
     /// Largest slack of the part to the face across this axis.
     fn inmost(&self, axis: Vec3) -> f32 {
-        (self.half - self.sign * (self.support)(-(self.sign * axis))).dot(axis)
+        self.slack((self.support)(-(self.sign * axis))).dot(axis)
+    }
+
+    /// From a place inside both at this depth: along a spine in world, else over two faces.
+    fn along_or_over_two(&self, spine: Option<Spine<'_>>, centre: Vec3, place: Vec3, depth: f32) -> Option<Trial> {
+        let spine = spine.filter(|_| depth > 0.0).map(|spine| Spine { start: spine.start - centre, ..spine });
+        spine.and_then(|spine| self.along(&spine, place)).or_else(|| self.over_two(self.slack(place), depth))
     }
 
     /// Over two faces, where the whole part keeps clear of the third.
     fn over_two(&self, slack: Vec3, depth: f32) -> Option<Trial> {
-        let clear = |axis: Vec3| (self.half - self.sign * (self.support)(self.sign * axis)).dot(axis) > CLEAR * depth;
-        let pairs = [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)];
-        let (first, second, _) = pairs.into_iter().find(|&(_, _, third)| depth > 0.0 && clear(third))?;
-        Some(self.split([first, second], Vec3::ZERO, even(slack.dot(first), slack.dot(second))))
+        let clear = |axis: Vec3| self.slack((self.support)(self.sign * axis)).dot(axis) > CLEAR * depth;
+        if depth > 0.0 && clear(Vec3::Z) {
+            Some(self.split::<X, Y>(Vec3::ZERO, even(slack.x, slack.y)))
+        } else if depth > 0.0 && clear(Vec3::X) {
+            Some(self.split::<Y, Z>(Vec3::ZERO, even(slack.y, slack.z)))
+        } else if depth > 0.0 && clear(Vec3::Y) {
+            Some(self.split::<Z, X>(Vec3::ZERO, even(slack.z, slack.x)))
+        } else {
+            None
+        }
     }
 
     /// Over all at once, by Broyden's method from a guess of the slacks; `None` where the moments do not settle, as on flats.
@@ -271,7 +246,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
 
     /// Over all on a part with a spine, from a point inside both: the deepest of the balls along it, where the depth changes no more or an end is met; `None` where
     /// balls do not settle.
-    fn along(&self, spine: &Spine, place: Vec3) -> Option<Trial> {
+    fn along(&self, spine: &Spine<'_>, place: Vec3) -> Option<Trial> {
         let lead = |trial: &Trial| fifth(trial.roots).dot(self.sign * spine.way);
         let mut near = clamp((place - spine.start).dot(spine.way) / spine.way.length_squared(), 0.0, 1.0);
         let mut last = self.ball(spine, near, self.half - self.sign * place)?;
@@ -305,9 +280,9 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     }
 
     /// The deepest point of the ball at this place of a spine, from a guess of its slacks.
-    fn ball(&self, spine: &Spine, at: f32, slack: Vec3) -> Option<Trial> {
+    fn ball(&self, spine: &Spine<'_>, at: f32, slack: Vec3) -> Option<Trial> {
         let centre = spine.start + spine.way * at;
-        let support = |d: Vec3| centre + direction(d, Vec3::Z) * spine.radius;
+        let support = |d: Vec3| count(spine.asked, 1, centre + direction(d, Vec3::Z) * spine.radius);
         Search { half: self.half, sign: self.sign, missed: false, round: spine.radius, support }.evened(slack)
     }
 
@@ -325,7 +300,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     /// Over all: the third root by its moment against that of the best split of the rest.
     fn over(&self, slack: Vec3) -> Trial {
         let guess = even(slack.x, slack.y);
-        let split = |up: f32| self.split([Vec3::X, Vec3::Y], Vec3::Z * up, guess);
+        let split = |up: f32| self.split::<X, Y>(Vec3::Z * up, guess);
         let terms = |trial: &Trial| (trial.moments().z, level(trial));
         let mut up = Share::new(0.0, 1.0);
         for step in 0..CORNER_STEPS {
@@ -341,11 +316,11 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         self.between(&up, last, |trial| terms(trial).0 - terms(trial).1)
     }
 
-    /// Best split between two faces of what the root of the third leaves, from a guess of the first one's share.
-    fn split(&self, [first, second]: [Vec3; 2], rest: Vec3, guess: f32) -> Trial {
+    /// Best split between two faces of what `rest`, the root of the third, leaves, from a guess of the first one's share.
+    fn split<const FIRST: usize, const SECOND: usize>(&self, rest: Vec3, guess: f32) -> Trial {
         let whole = 1.0 - rest.element_sum();
-        let roots = |share: f32| rest + (first * share + second * (1.0 - share)) * whole;
-        let terms = |trial: &Trial| (trial.moments().dot(first), trial.moments().dot(second));
+        let roots = |share: f32| put::<SECOND>(put::<FIRST>(rest, share * whole), (1.0 - share) * whole);
+        let terms = |trial: &Trial| (pick::<FIRST>(trial.moments()), pick::<SECOND>(trial.moments()));
         let lead = |trial: &Trial| terms(trial).0 - terms(trial).1;
         let mut share = Share::<Trial>::new(0.0, 1.0);
         let mut at = share.next(guess);
@@ -357,8 +332,8 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
             if self.is_apart(&last) || is_even(one, two, self.half.max_element()) {
                 return last;
             }
-            let tie = if step == tied { share.tie(|at| self.more(&share, roots(at))) } else { None };
-            at = tie.unwrap_or_else(|| share.next(even(last.slack.dot(first), last.slack.dot(second))));
+            let tie = if step == tied { tie(&share, roots) } else { None };
+            at = tie.unwrap_or_else(|| share.next(even(pick::<FIRST>(last.slack), pick::<SECOND>(last.slack))));
             last = self.trial(roots(at));
             let ended = |(before, after)| self.is_same(&before, &last) || self.is_same(&after, &last);
             if tie.is_some() && share.ends().is_some_and(ended) {
@@ -370,11 +345,6 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
             }
         }
         if self.is_flat(&share, &last) { self.between(&share, last, lead) } else { evenest(&share, last, lead) }
-    }
-
-    /// How much farther the support point before the change of sign lies than the one after, against these roots.
-    fn more(&self, share: &Share<Trial>, roots: Vec3) -> f32 {
-        share.ends().map_or(0.0, |(before, after)| fifth(roots).dot(before.slack - after.slack))
     }
 
     /// True where the support point of a trial lies on the way between the ends of its bracket, as on a flat, and not out over it, as on a round part.
@@ -416,6 +386,13 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     }
 }
 
+/// Where the support points before and after the change of sign are as far against the roots of a share.
+fn tie(share: &Share<Trial>, roots: impl Fn(f32) -> Vec3) -> Option<f32> {
+    let (before, after) = share.ends()?;
+    let more = before.slack - after.slack;
+    share.tie(|at| fifth(roots(at)).dot(more))
+}
+
 /// Mean moment of the first two faces, by their shares: where one has none, it is the other's.
 fn level(trial: &Trial) -> f32 {
     let (moments, squares) = (trial.moments(), trial.roots * trial.roots);
@@ -453,9 +430,25 @@ fn even(one: f32, two: f32) -> f32 {
     }
 }
 
-fn fifth(roots: Vec3) -> Vec3 {
-    let squares = roots * roots;
-    squares * squares * roots
+/// The axes by number, for searches that are compiled for a pair of them.
+const X: usize = 0;
+const Y: usize = 1;
+const Z: usize = 2;
+
+fn pick<const AXIS: usize>(v: Vec3) -> f32 {
+    match AXIS {
+        X => v.x,
+        Y => v.y,
+        _ => v.z,
+    }
+}
+
+fn put<const AXIS: usize>(v: Vec3, value: f32) -> Vec3 {
+    match AXIS {
+        X => v.with_x(value),
+        Y => v.with_y(value),
+        _ => v.with_z(value),
+    }
 }
 
 /// The point between two support points at which a lead that is `a` at one and `b` at the other vanishes.

@@ -17,17 +17,40 @@ pub struct Gap {
     pub normal: Vec3,
 }
 
+/// Signed distance, and the normal's way before its length is made 1, which who only compares distances does without.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Signed distance \[m\]; negative = penetration.
+    pub distance: f32,
+    /// Along the normal, of any length.
+    way: Vec3,
+    /// Unit normal where that has no direction.
+    fallback: Vec3,
+}
+
+impl Slope {
+    /// With the unit normal.
+    pub fn gap(&self) -> Gap {
+        Gap { distance: self.distance, normal: direction(self.way, self.fallback) }
+    }
+}
+
 /// Gap of the world point `p_wq` \[m\] to the object.
 pub fn gap(object: &ObjectShape<'_>, p_wq: Vec3) -> Gap {
+    slope(object, p_wq).gap()
+}
+
+/// The same before the normal has its length.
+pub fn slope(object: &ObjectShape<'_>, p_wq: Vec3) -> Slope {
     match *object {
-        ObjectShape::HalfSpace => Gap { distance: p_wq.z, normal: Vec3::Z },
+        ObjectShape::HalfSpace => Slope { distance: p_wq.z, way: Vec3::Z, fallback: Vec3::Z },
         ObjectShape::Box { size } => of_box(0.5 * size, p_wq - Vec3::Z * (0.5 * size.z)),
-        ObjectShape::Sphere { radius } => sphere_gap(radius, p_wq - Vec3::Z * radius),
-        ObjectShape::Ellipsoid { semi_axes } => ellipsoid_gap(semi_axes, p_wq - Vec3::Z * semi_axes.z),
-        ObjectShape::Cylinder { radius, height } => cylinder_gap(radius, 0.5 * height, p_wq - Vec3::Z * (0.5 * height)),
+        ObjectShape::Sphere { radius } => of_sphere(radius, p_wq - Vec3::Z * radius),
+        ObjectShape::Ellipsoid { semi_axes } => of_ellipsoid(semi_axes, p_wq - Vec3::Z * semi_axes.z),
+        ObjectShape::Cylinder { radius, height } => of_cylinder(radius, 0.5 * height, p_wq - Vec3::Z * (0.5 * height)),
         ObjectShape::Mesh(mesh) => {
-            let (distance, gradient) = mesh.grid().slope(p_wq);
-            Gap { distance, normal: direction(gradient, Vec3::Z) }
+            let (distance, way) = mesh.grid().slope(p_wq);
+            Slope { distance, way, fallback: Vec3::Z }
         }
     }
 }
@@ -46,20 +69,31 @@ pub fn centre(object: &ObjectShape<'_>) -> Vec3 {
     }
 }
 
-fn sphere_gap(radius: f32, q: Vec3) -> Gap {
-    Gap { distance: root(q.length_squared()) - radius, normal: direction(q, Vec3::Z) }
+/// How far the object reaches along the unit vector `n` from its centre \[m\]; without end where that is not known.
+pub fn extent(object: &ObjectShape<'_>, n: Vec3) -> f32 {
+    match *object {
+        ObjectShape::HalfSpace | ObjectShape::Mesh(_) => f32::MAX,
+        ObjectShape::Box { size } => (0.5 * size).dot(n.abs()),
+        ObjectShape::Sphere { radius } => radius,
+        ObjectShape::Ellipsoid { semi_axes } => root((semi_axes * n).length_squared()),
+        ObjectShape::Cylinder { radius, height } => radius * root(n.x * n.x + n.y * n.y) + 0.5 * height * n.z.abs(),
+    }
 }
 
-/// Gap of the point `q` to a box of half edges `half` about the origin \[m\].
-pub fn of_box(half: Vec3, q: Vec3) -> Gap {
+fn of_sphere(radius: f32, q: Vec3) -> Slope {
+    Slope { distance: root(q.length_squared()) - radius, way: q, fallback: Vec3::Z }
+}
+
+/// Of the point `q` to a box of half edges `half` about the origin \[m\].
+pub fn of_box(half: Vec3, q: Vec3) -> Slope {
     let beyond = q.abs() - half;
     let outside = Vec3::new(max(beyond.x, 0.0), max(beyond.y, 0.0), max(beyond.z, 0.0));
     let sign = Vec3::new(side(q.x), side(q.y), side(q.z));
     if outside == Vec3::ZERO {
         let (depth, weights) = blend(-beyond, half + q.abs());
-        return Gap { distance: -depth, normal: direction(weights * sign, Vec3::Z) };
+        return Slope { distance: -depth, way: weights * sign, fallback: Vec3::Z };
     }
-    Gap { distance: root(outside.length_squared()), normal: direction(outside * sign, Vec3::Z) }
+    Slope { distance: root(outside.length_squared()), way: outside * sign, fallback: Vec3::Z }
 }
 
 /// Inside, the faces share the depth: d = (sum s_i^-4)^(-1/4) of the slacks s_i to them, and the normal is the gradient, weights s_i^-5 (theory.md,
@@ -81,7 +115,7 @@ fn side(x: f32) -> f32 {
     if x < 0.0 { -1.0 } else { 1.0 }
 }
 
-fn cylinder_gap(radius: f32, half_height: f32, q: Vec3) -> Gap {
+fn of_cylinder(radius: f32, half_height: f32, q: Vec3) -> Slope {
     let planar = Vec3::new(q.x, q.y, 0.0);
     let radial = direction(planar, Vec3::X);
     let beyond_side = root(planar.length_squared()) - radius;
@@ -90,19 +124,19 @@ fn cylinder_gap(radius: f32, half_height: f32, q: Vec3) -> Gap {
     if beyond_side <= 0.0 && beyond_end <= 0.0 {
         let far = Vec3::new(beyond_side + 2.0 * radius, half_height + q.z.abs(), f32::MAX);
         let (depth, weights) = blend(Vec3::new(-beyond_side, -beyond_end, f32::MAX), far);
-        return Gap { distance: -depth, normal: direction(radial * weights.x + axial * weights.y, axial) };
+        return Slope { distance: -depth, way: radial * weights.x + axial * weights.y, fallback: axial };
     }
     let outside = radial * max(beyond_side, 0.0) + axial * max(beyond_end, 0.0);
-    Gap { distance: root(outside.length_squared()), normal: direction(outside, axial) }
+    Slope { distance: root(outside.length_squared()), way: outside, fallback: axial }
 }
 
-fn ellipsoid_gap(semi_axes: Vec3, q: Vec3) -> Gap {
+fn of_ellipsoid(semi_axes: Vec3, q: Vec3) -> Slope {
     let foot = ellipsoid::closest_point(semi_axes, q);
-    let normal = ellipsoid::normal(semi_axes, foot);
     let offset = q - foot;
     let inside = (q / semi_axes).length_squared() < 1.0;
     let distance = root(offset.length_squared());
-    Gap { distance: if inside { -distance } else { distance }, normal }
+    let distance = if inside { -distance } else { distance };
+    Slope { distance, way: ellipsoid::gradient(semi_axes, foot), fallback: Vec3::Z }
 }
 
 /// Largest depth for which the object's figures mean anything: half its smallest extent \[m\].

@@ -14,3 +14,4 @@ pub mod rim;
 pub mod share;
 pub mod slice;
 pub mod support;
+pub mod trial;

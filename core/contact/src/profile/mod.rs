@@ -71,7 +71,7 @@ impl Profile {
         Inside { load, torque, drag_stick, twist_stick }
     }
 
-    /// `N` columns of the tables from column `FIRST` on.
+    /// `N` columns of the tables from column `FIRST` on. In line, as its callers are: a call for every ring cost more than what it reads.
     #[inline(always)]
     fn columns<const FIRST: usize, const N: usize>(self, q: f32) -> [f32; N] {
         let place = INTERVALS as f32 * root(1.0 - q * q);

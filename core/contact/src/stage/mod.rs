@@ -1,5 +1,6 @@
 //! The stages of a tick, in the order `step` calls them.
 
+pub mod carry;
 pub mod deform;
 pub mod detect;
 pub mod force;

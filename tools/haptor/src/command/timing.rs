@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use fastrand::Rng;
-use haptor_contact::{Pose, Tier as CoreTier};
+use haptor_contact::{MAX_WORK, MIN_WORK, Pose, Tier as CoreTier};
 use haptor_engine::Scene as Baked;
 use haptor_engine::settings::tier_to_wire;
 use haptor_wire::{Coupling, Tuning, VirtualCoupling};
@@ -47,6 +47,9 @@ pub struct Args {
     /// Samples per region of that tier
     #[arg(long, value_name = "N", requires = "tier", allow_negative_numbers = true, value_parser = samples)]
     samples: Option<u16>,
+    /// Work that a tick may spend [instructions], in place of the scene's own
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = work)]
+    work: Option<u32>,
     /// Ticks to time for each tier, 0 for none; 10000000 for p99.99 and max that mean something
     #[arg(long, value_name = "N", default_value_t = 200_000, allow_negative_numbers = true, value_parser = ticks)]
     ticks: u64,
@@ -136,6 +139,10 @@ fn samples(text: &str) -> Result<u16, String> {
     within(text, &(16..=1024), "16 to 1024; bristle at most 256, influence and green 52 or 112")
 }
 
+fn work(text: &str) -> Result<u32, String> {
+    within(text, &(MIN_WORK..=MAX_WORK), "10000 to 1000000000 instructions")
+}
+
 fn ticks(text: &str) -> Result<u64, String> {
     within(text, &(0..=1_000_000_000_000), "0 to 1000000000000 ticks")
 }
@@ -205,7 +212,7 @@ fn other_coupling(scene: &Scene, judge: &mut Judge<'_>, starts: &[Start], args: 
     let costs = other.costs(&tuning, &histories)?;
     bar.finish_and_clear();
     judge.cover.add(&other.cover);
-    let level = Level { tier: tuning.tier, samples: tuning.samples };
+    let level = Level { tier: tuning.tier, samples: tuning.samples, work: None };
     Ok(Varied { name, level, rows: histories.iter().zip(&costs).map(|(history, costs)| row(history, costs)).collect() })
 }
 
@@ -226,14 +233,15 @@ fn levels(args: &Args, read: &Baked) -> Result<Vec<Level>, Failure> {
         let tier = tier_to_wire(CoreTier::from(name));
         levels.retain(|level| level.tier == tier);
         if let Some(samples) = args.samples {
-            levels = vec![Level { tier, samples }];
+            levels = vec![Level { tier, samples, work: None }];
         }
         if levels.is_empty() {
             // the scene has no table: its own words say what to do
-            levels.push(Level { tier, samples: 52 });
+            levels.push(Level { tier, samples: 52, work: None });
         }
     }
-    for level in &levels {
+    for level in &mut levels {
+        level.work = args.work;
         let asked = |error| match args.samples {
             Some(samples) => Failure::bad_input(format!("--samples {samples}: {error}")),
             None => refused(args, &error),

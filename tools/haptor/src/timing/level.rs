@@ -15,16 +15,18 @@ pub struct Level {
     pub tier: Tier,
     /// Samples of a region, or cells.
     pub samples: u16,
+    /// Work budget of a tick in place of the scene's \[instructions\].
+    pub work: Option<u32>,
 }
 
 impl Level {
     /// Every level of a scene: each tier with its default, and the scene's own where that is another. Tier `green` only where the scene has its table.
     pub fn of(scene: &BakedScene) -> Vec<Self> {
         let tiers = [Tier::Point, Tier::Paper, Tier::Bristle, Tier::Influence, Tier::Green];
-        let own = Self { tier: scene.tier, samples: scene.samples };
+        let own = Self { tier: scene.tier, samples: scene.samples, work: None };
         let mut levels = Vec::new();
         for tier in tiers.into_iter().filter(|&tier| tier != Tier::Green || scene.tier == Tier::Green) {
-            let default = Self { tier, samples: if has_cells(tier) { CELLS } else { SAMPLES } };
+            let default = Self { tier, samples: if has_cells(tier) { CELLS } else { SAMPLES }, work: None };
             levels.push(default);
             if tier == own.tier && own != default && tier != Tier::Point {
                 levels.push(own);
@@ -33,12 +35,13 @@ impl Level {
         levels
     }
 
-    /// Its name: the tier, and the samples where it has any.
+    /// Its name: the tier, the samples where it has any, and the budget where it is not the scene's.
     pub fn name(self) -> String {
-        match self.tier {
+        let tier = match self.tier {
             Tier::Point => self.tier.name().to_owned(),
             _ => format!("{} {}", self.tier.name(), self.samples),
-        }
+        };
+        self.work.map_or(tier.clone(), |work| format!("{tier} within {work}"))
     }
 
     /// Its name in a file's.
@@ -48,7 +51,7 @@ impl Level {
 
     /// A tuning at this level.
     pub fn tuning(self, base: &Tuning) -> Tuning {
-        Tuning { tier: self.tier, samples: self.samples, ..*base }
+        Tuning { tier: self.tier, samples: self.samples, work: self.work.or(base.work), ..*base }
     }
 }
 

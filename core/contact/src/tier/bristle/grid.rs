@@ -33,18 +33,35 @@ impl Grid {
     /// Lays the grid anew when `radius` has left its range or the number of rings has changed; a new grid takes up what is `held`.
     pub fn fit(&mut self, layout: &Layout, hold: &Hold, held: &Grip, bristles: &mut [Bristle]) {
         let radius = hold.radius;
-        let rings = layout.rings as f32;
-        let fresh = radius / (FRESH * rings);
+        let fresh = fresh(layout.rings, radius);
         if self.width <= 0.0 {
             bristles.fill(Bristle::default());
             self.width = fresh;
             seed(layout, fresh, hold, held, bristles);
-        } else if self.rings != layout.rings || radius > self.width * rings || radius < self.width * FEWEST * rings {
+        } else if self.is_outgrown(layout.rings, radius) {
             share_out(layout, self, fresh, bristles);
             self.width = fresh;
         }
         (self.radius, self.rings) = (radius, layout.rings);
     }
+
+    /// True where `radius` has left the range of the grid or the number of rings is another.
+    pub fn is_outgrown(&self, rings: usize, radius: f32) -> bool {
+        let all = rings as f32;
+        self.rings != rings || radius > self.width * all || radius < self.width * FEWEST * all
+    }
+
+    /// Rings that a contact of this radius reaches once the grid fits it.
+    pub fn reached(&self, rings: usize, radius: f32) -> usize {
+        let width = if self.is_outgrown(rings, radius) { fresh(rings, radius) } else { self.width };
+        // one more where the last is reached in full
+        rings.min((radius / width) as usize + 1)
+    }
+}
+
+/// Width of a ring of a fresh grid \[m\].
+fn fresh(rings: usize, radius: f32) -> f32 {
+    radius / (FRESH * rings as f32)
 }
 
 /// Spreads a grip that another tier held by the load, force and hoop force alike: as a contact in full slip holds it, so that no cap cuts what was held.

@@ -131,8 +131,7 @@ impl Quad {
         }
     }
 
-    /// What the bristles hold if the patch shifts by `felt`. A function of its own, as is [`lost`](Self::lost): inlined, the compiler mixes the lanes with the
-    /// sums that are made of them.
+    /// What the bristles hold if the patch shifts by `felt`.
     #[inline]
     pub fn moved(&self, felt: Shift) -> Moved {
         let hoop = self.twist * felt.twist;

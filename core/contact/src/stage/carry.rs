@@ -1,0 +1,105 @@
+//! A contact that is not looked at in a tick goes with its part.
+//!
+//! Where a tick's work does not suffice to look at every part that is near, the parts take turns ([`budget`](crate::budget)). Until its turn comes, a contact keeps its normal, its footprint
+//! grows on as it grew, and its place and depth follow the part's motion to first order: the depth of the deepest point changes by the motion of the
+//! material there along the normal, and by nothing else, since no other point was deeper (theory.md, equation 2.9).
+
+use glam::Vec3;
+
+use crate::frames::{Pose, ProbeFrame, World};
+use crate::model::ProbeShape;
+use crate::scratch::Contact;
+
+/// `last` as it is once the probe went from `before` to `now`, on a part of this shape; `None` where the two have parted.
+pub fn carried(
+    shape: &ProbeShape<'_>,
+    last: &Contact,
+    before: &Pose<World, ProbeFrame>,
+    now: &Pose<World, ProbeFrame>,
+) -> Option<Contact> {
+    let depth = last.depth - last.normal.dot(moved(last.deepest, before, now));
+    let middle = last.normal * roundness(shape);
+    let carry = |place: Vec3| place + moved(place + middle, before, now);
+    let contact =
+        || Contact { centre: carry(last.centre), deepest: carry(last.deepest), depth, seat: last.seat.stretched(depth), ..*last };
+    // also none for a depth that is not a number
+    (depth > 0.0).then(contact)
+}
+
+/// How far the probe's material at a place of world went \[m\]: nothing, to the bit, where the pose is the same.
+fn moved(place: Vec3, before: &Pose<World, ProbeFrame>, now: &Pose<World, ProbeFrame>) -> Vec3 {
+    let place = before.rotation.conjugate() * (place - before.position);
+    now.point(place) - before.point(place)
+}
+
+/// Radius of the ball that the part is where it touches \[m\], none where it has flats and corners: a ball that turns touches at the same place.
+fn roundness(shape: &ProbeShape<'_>) -> f32 {
+    match *shape {
+        ProbeShape::Sphere { radius } | ProbeShape::Capsule { radius, .. } => radius,
+        ProbeShape::Ellipsoid { semi_axes } => semi_axes.min_element(),
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Material, ModelSpec, ObjectShape, ProbePart};
+    use crate::stage::detect::{Seen, detect};
+    use crate::{Model, Quat};
+    use heapless::Vec;
+
+    const CUBE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::splat(0.1) };
+    const BALL: ObjectShape<'_> = ObjectShape::Sphere { radius: 0.05 };
+
+    fn seen(model: &Model<'_>, pose: &Pose<World, ProbeFrame>) -> Option<Contact> {
+        let mut contacts = Vec::<Contact, 1>::new();
+        detect(model, pose, None, Seen { contacts: &[], pose: None }, &mut contacts);
+        contacts.first().copied()
+    }
+
+    /// How far the carried depth is from the one that a look finds, for a motion of this many micrometres and as many tens of microradians.
+    fn off(object: ObjectShape<'static>, shape: ProbeShape<'static>, from: Vec3, tilt: f32, size: f32) -> f32 {
+        let parts = [ProbePart::at_origin(shape)];
+        let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let model = Model::new(&ModelSpec::new(object, rubber, &parts)).unwrap();
+        let before = Pose::new(from, Quat::from_rotation_x(tilt));
+        let turn = Quat::from_scaled_axis(Vec3::new(0.6, -0.3, 0.2) * (10.0e-6 * size)).normalize();
+        let now = Pose::new(from + Vec3::new(0.5, 0.7, -0.4) * (1.0e-6 * size), (turn * before.rotation).normalize());
+        let last = seen(&model, &before).unwrap();
+        let (carried, found) = (carried(&shape, &last, &before, &now).unwrap(), seen(&model, &now).unwrap());
+        assert_eq!(carried.normal, last.normal);
+        (carried.depth - found.depth).abs()
+    }
+
+    #[test]
+    fn a_carried_depth_is_right_to_first_order() {
+        let capsule = ProbeShape::Capsule { radius: 0.006, height: 0.02 };
+        let cases = [
+            (CUBE, capsule, Vec3::new(0.01, 0.0, 0.1145), 0.3),
+            (CUBE, capsule, Vec3::new(0.046, 0.0, 0.1145), 0.3),
+            (CUBE, ProbeShape::Box { size: Vec3::splat(0.02) }, Vec3::new(0.01, 0.02, 0.111), 0.5),
+            (CUBE, ProbeShape::Ellipsoid { semi_axes: Vec3::new(0.02, 0.03, 0.01) }, Vec3::new(0.0, 0.01, 0.11), 0.2),
+            (BALL, ProbeShape::Cylinder { radius: 0.01, height: 0.02 }, Vec3::new(0.003, 0.0, 0.1095), 0.1),
+        ];
+        for (object, shape, from, tilt) in cases {
+            let (large, small) = (off(object, shape, from, tilt, 1000.0), off(object, shape, from, tilt, 100.0));
+            // second order, and a few units in the last place of a tenth of a metre
+            assert!(large < 6.0e-5 && small < 6.0e-7 + 6.0e-8, "{object:?} {shape:?}: {large} {small}");
+        }
+    }
+
+    #[test]
+    fn a_contact_that_does_not_move_stays_to_the_bit_and_one_that_is_lifted_parts() {
+        let shape = ProbeShape::Box { size: Vec3::splat(0.02) };
+        let parts = [ProbePart::at_origin(shape)];
+        let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let model = Model::new(&ModelSpec::new(CUBE, rubber, &parts)).unwrap();
+        let pose = Pose::new(Vec3::new(0.01, 0.02, 0.111), Quat::from_rotation_x(0.5));
+        let last = seen(&model, &pose).unwrap();
+        let held = carried(&shape, &last, &pose, &pose).unwrap();
+        assert_eq!((held.centre, held.deepest, held.depth), (last.centre, last.deepest, last.depth));
+        let lifted = Pose::new(pose.position + Vec3::Z * (1.01 * last.depth), pose.rotation);
+        assert!(carried(&shape, &last, &pose, &lifted).is_none());
+    }
+}
