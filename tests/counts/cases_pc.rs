@@ -44,6 +44,10 @@ fn features() -> Vec<Case> {
         born("no friction, half space, ten regions, births", Case { params: smooth(), object: ObjectShape::HalfSpace, ..many() }),
         born("no friction, box, ten regions, births", Case { params: smooth(), ..many() }),
         born("bristle 64, box, ten regions, births", many()),
+        named(
+            "bristle 64, half space, ten regions, held still",
+            Case { motion: Motion::Still, object: ObjectShape::HalfSpace, ..many() },
+        ),
         named("no contact, ten parts, mesh", Case { object: ball, probe: TEN, motion: Motion::Clear, regions: 0, ..base() }),
     ]
 }

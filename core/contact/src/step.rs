@@ -59,7 +59,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     let Some(handle) = handle else { return refused(params, memory, patches, input.dt, flags) };
     let elapsed = core::mem::take(&mut memory.since_last_pose);
     if is_still(params, memory, &handle) {
-        budget::book_still(params, memory);
+        budget::book_still(params, memory, patches.len());
         return finish(params, memory, patches, Some(&handle), input.dt, memory.flags);
     }
     let now = coupling::probe_pose(model, params, memory, &handle, elapsed, &mut flags);
@@ -74,8 +74,9 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     let passes = budget::passes(model, params, turns.as_ref(), patches);
-    flags |= force::press(model, params, &scratch.contacts, patches, passes) | coarseness(patches, &now);
-    let (rung, lowered) = budget::rung(model, params, &mut memory.account, turns.as_ref(), (patches, passes));
+    let (pressed, strained) = force::press(model, params, &scratch.contacts, patches, passes);
+    flags |= strained | coarseness(patches, &now);
+    let (rung, lowered) = budget::rung(model, params, &mut memory.account, turns.as_ref(), (patches, pressed));
     // 4 torque
     let changed = take_up(params, rung, memory, patches);
     let stored = Stored { force: samples.as_flattened_mut(), trace: traces.as_flattened_mut() };
@@ -195,7 +196,7 @@ fn count_left_out(memory: &mut Memory, left_out: u32) -> Flags {
 /// A refused pose keeps the contact as it was; what the device gets fades to zero at the guard's rates.
 fn refused(params: &Params, memory: &mut Memory, patches: &[Patch], dt: f32, flags: Flags) -> Output {
     memory.poses_refused = memory.poses_refused.saturating_add(1);
-    budget::book_still(params, memory);
+    budget::book_still(params, memory, patches.len());
     let dt = if dt > 0.0 && dt.is_finite() { dt } else { 0.0 };
     finish(params, memory, patches, None, dt, flags)
 }

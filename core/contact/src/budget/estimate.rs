@@ -10,7 +10,7 @@ use crate::model::{Model, ObjectShape, ProbePart, ProbeShape};
 use crate::params::{Params, Tier};
 use crate::patch::Patch;
 use crate::stage::detect::{Look, Parts};
-use crate::stage::force::Passes;
+use crate::stage::force::{Pressed, SERIES_STEPS};
 use crate::tier::bristle;
 use crate::tier::influence::Layout;
 
@@ -24,6 +24,11 @@ pub fn of_any_tick(model: &Model<'_>, params: &Params) -> u32 {
     costs::TICK.saturating_add(part.saturating_mul(balls)).saturating_add(coupling + passivity)
 }
 
+/// A tick that is not computed, beside so many patches.
+pub fn of_still(patches: usize) -> u32 {
+    costs::STILL.saturating_add(costs::STILL_PATCH.saturating_mul(count(patches)))
+}
+
 /// Looking for the first time at a part that has come near, whose mesh, if it is one, is asked for so many samples.
 pub fn of_first_look(object: &ObjectShape<'_>, part: &ProbePart<'_>, asked: usize) -> u32 {
     of_row(object_row(object, true), part, asked)
@@ -31,18 +36,19 @@ pub fn of_first_look(object: &ObjectShape<'_>, part: &ProbePart<'_>, asked: usiz
 
 /// Looking at one part, by what the look met: near edges of a box what is searched and cut is counted, under the rim of a cylinder it is taken at its dearest.
 pub fn of_look(object: &ObjectShape<'_>, part: &ProbePart<'_>, asked: usize, look: &Look) -> u32 {
-    let (column, cuts) = (shape_column(&part.shape), look.contact.map_or(0, |contact| contact.seat.cuts()));
-    let searched = costs::ASKED.saturating_mul(look.asked);
+    let cuts = look.contact.map_or(0, |contact| contact.seat.cuts());
+    let (searched, in_box) = (costs::ASKED.saturating_mul(look.asked), matches!(object, ObjectShape::Box { .. }));
     if look.asked <= costs::ASKED_AT_LEAST && cuts == 0 {
-        return of_row(object_row(object, false), part, asked).saturating_add(searched);
+        let apart = in_box && look.contact.is_none() && !is_mesh(part);
+        let found = of_row(object_row(object, false), part, asked);
+        return if apart { found.min(costs::LOOK_APART) } else { found }.saturating_add(searched);
     }
-    if !matches!(object, ObjectShape::Box { .. }) {
+    if !in_box {
         return of_first_look(object, part, asked);
     }
-    let of_shape = |costs: &[u32; costs::SHAPES]| costs.get(column).copied().unwrap_or(u32::MAX);
-    let cut = of_shape(&costs::CUT).saturating_mul(u32::from(cuts));
+    let cut = of_shape(&costs::CUT, part).saturating_mul(u32::from(cuts));
     let samples = of_samples(object_row(object, true), part, asked);
-    of_shape(&costs::LOOK_BY_EDGES).saturating_add(samples).saturating_add(searched).saturating_add(cut)
+    of_shape(&costs::LOOK_BY_EDGES, part).saturating_add(samples).saturating_add(searched).saturating_add(cut)
 }
 
 fn of_row(row: usize, part: &ProbePart<'_>, asked: usize) -> u32 {
@@ -78,14 +84,14 @@ pub struct Counts<'a> {
     pub waiting: usize,
     /// Patches that are followed.
     pub patches: &'a [Patch],
-    /// How often they are pressed.
-    pub passes: Passes,
+    /// What pressing them takes.
+    pub pressed: Pressed,
 }
 
 impl<'a> Counts<'a> {
     /// After stages 1 and 2.
-    pub fn new(turns: &Turns, patches: &'a [Patch], passes: Passes) -> Self {
-        Self { spent: turns.spent(), near: turns.near().count(), waiting: turns.waiting(), patches, passes }
+    pub fn new(turns: &Turns, patches: &'a [Patch], pressed: Pressed) -> Self {
+        Self { spent: turns.spent(), near: turns.near().count(), waiting: turns.waiting(), patches, pressed }
     }
 }
 
@@ -104,7 +110,7 @@ pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u
         costs::CARRIED.saturating_mul(count(counts.waiting)),
         of_following(patches),
         joined,
-        of_pressing(model, counts.patches, counts.passes),
+        of_pressing(model, counts.patches, counts.pressed),
     ]
     .into_iter()
     .fold(of_any_tick(model, params).saturating_add(counts.spent), u32::saturating_add)
@@ -113,7 +119,9 @@ pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u
 /// The same before anything is looked at, without the looks: as if every near part were a patch and one of them newborn, pressed as rarely as may be.
 pub fn beside_looks(model: &Model<'_>, params: &Params, near: Parts) -> u32 {
     let parts = near.count();
-    let press = |part: &ProbePart<'_>| of_press(model, part, parts);
+    let press = |part: &ProbePart<'_>| {
+        of_press(model, part, parts).saturating_add(of_shape(&costs::TRIAL, part).saturating_mul(count(SERIES_STEPS)))
+    };
     let each = near.of(model.probe).fold(0, |sum: u32, (_, part)| sum.saturating_add(press(part)));
     let newborn = near.of(model.probe).map(|(_, part)| press(part)).fold(0, u32::max);
     let carried = costs::CARRIED.saturating_mul(count(parts));
@@ -129,23 +137,30 @@ fn of_following(patches: usize) -> u32 {
     costs::NEIGHBOUR.saturating_mul(neighbours(patches))
 }
 
-/// Pressing the patches, and once more the newborn where one is pressed apart.
-fn of_pressing(model: &Model<'_>, patches: &[Patch], passes: Passes) -> u32 {
-    let press = |patch: &Patch| model.probe.get(usize::from(patch.part)).map_or(0, |part| of_press(model, part, patches.len()));
+/// Pressing the patches, and once more the newborn where one is pressed apart; every trial as if it were at the dearest.
+fn of_pressing(model: &Model<'_>, patches: &[Patch], Pressed { passes, trials }: Pressed) -> u32 {
+    let part = |patch: &Patch| model.probe.get(usize::from(patch.part));
+    let press = |patch: &Patch| part(patch).map_or(0, |part| of_press(model, part, patches.len()));
     let whole = patches.iter().fold(0, |sum: u32, patch| sum.saturating_add(press(patch)));
     let newborn = patches.last().filter(|_| passes.newborn).map_or(0, press);
-    whole.saturating_mul(count(passes.whole)).saturating_add(newborn)
+    let trial = patches.iter().filter_map(part).map(|part| of_shape(&costs::TRIAL, part)).fold(0, u32::max);
+    whole.saturating_mul(count(passes.whole)).saturating_add(newborn).saturating_add(trial.saturating_mul(count(trials)))
 }
 
-/// Pressing one part beside so many patches once.
+/// Pressing one part beside so many patches once, the trials apart.
 fn of_press(model: &Model<'_>, part: &ProbePart<'_>, patches: usize) -> u32 {
     let others = count(patches.saturating_sub(1));
     let (table, of_others) = match model.table() {
         Some(_) => (costs::TABLE, costs::TABLE_NEIGHBOUR),
         None => (0, 0),
     };
-    let shape = costs::PRESSED.get(shape_column(&part.shape)).copied().unwrap_or(u32::MAX);
+    let shape = of_shape(&costs::PRESSED, part);
     shape.saturating_add(table).saturating_add(costs::DENT.saturating_add(of_others).saturating_mul(others))
+}
+
+/// What a part of this shape costs.
+fn of_shape(costs: &[u32; costs::SHAPES], part: &ProbePart<'_>) -> u32 {
+    costs.get(shape_column(&part.shape)).copied().unwrap_or(u32::MAX)
 }
 
 /// What friction holds in these patches on a rung; 0 where there is none.

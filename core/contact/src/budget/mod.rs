@@ -40,7 +40,7 @@ use crate::params::Params;
 use crate::patch::Patch;
 use crate::report::Flags;
 use crate::stage::detect::{Parts, near};
-use crate::stage::force::Passes;
+use crate::stage::force::{Passes, Pressed};
 use crate::state::Memory;
 use estimate::Counts;
 use rung::MAX_STEPS;
@@ -164,7 +164,7 @@ pub(crate) fn passes(model: &Model<'_>, params: &Params, turns: Option<&Turns>, 
 #[inline(never)]
 fn passes_within(work: u32, model: &Model<'_>, params: &Params, turns: &Turns, (patches, passes): (&[Patch], Passes)) -> Passes {
     let lowest = estimate::of_dearest_grip(model, params, params.rung.below(MAX_STEPS), patches.len());
-    let whole = estimate::of_contacts(model, params, &Counts::new(turns, patches, passes));
+    let whole = estimate::of_contacts(model, params, &Counts::new(turns, patches, passes.at_most(patches.len())));
     if whole.saturating_add(lowest) <= work { passes } else { passes.fewest() }
 }
 
@@ -175,7 +175,7 @@ pub(crate) fn rung(
     params: &Params,
     account: &mut Account,
     turns: Option<&Turns>,
-    pressed: (&[Patch], Passes),
+    pressed: (&[Patch], Pressed),
 ) -> (Rung, Flags) {
     match (params.work, turns) {
         (Some(work), Some(turns)) => rung_within(work, model, params, account, turns, pressed),
@@ -196,10 +196,10 @@ fn rung_within(
     params: &Params,
     account: &mut Account,
     turns: &Turns,
-    (patches, passes): (&[Patch], Passes),
+    (patches, pressed): (&[Patch], Pressed),
 ) -> (Rung, Flags) {
     let wanted = params.rung;
-    let contacts = estimate::of_contacts(model, params, &Counts::new(turns, patches, passes));
+    let contacts = estimate::of_contacts(model, params, &Counts::new(turns, patches, pressed));
     let held = |steps: u8| estimate::of_grip(model, params, wanted.below(steps), patches);
     if account.wanted != Some(wanted) {
         // another ladder: it is begun at its top, and left at once as far as need be
@@ -209,14 +209,14 @@ fn rung_within(
     account.held = held(steps);
     account.work = contacts.saturating_add(account.held);
     account.round = turns.round();
-    let lowered = steps > 0 || turns.asked() < ASKED_SAMPLES || turns.waiting() > 0 || passes.is_short();
+    let lowered = steps > 0 || turns.asked() < ASKED_SAMPLES || turns.waiting() > 0 || pressed.passes.is_short();
     (wanted.below(steps), if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN })
 }
 
-/// Books a tick that is not computed.
-pub(crate) fn book_still(params: &Params, memory: &mut Memory) {
+/// Books a tick that is not computed, beside so many patches.
+pub(crate) fn book_still(params: &Params, memory: &mut Memory, patches: usize) {
     if params.work.is_some() {
-        memory.account.work = costs::STILL;
+        memory.account.work = estimate::of_still(patches);
     }
 }
 

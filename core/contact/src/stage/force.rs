@@ -39,20 +39,41 @@ impl Passes {
         Self { whole: 1, ..self }
     }
 
+    /// So many patches, each pressed in as many trials as there may be.
+    pub fn at_most(self, patches: usize) -> Pressed {
+        Pressed { passes: self, trials: SERIES_STEPS * (self.whole * patches + usize::from(self.newborn)) }
+    }
+
     /// Fewer than a birth needs.
     pub fn is_short(self) -> bool {
         self.newborn && self.whole < PASSES_AT_BIRTH
     }
 }
 
+/// What pressing met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pressed {
+    /// How often the patches were pressed.
+    pub passes: Passes,
+    /// Depths that were tried in all.
+    pub trials: usize,
+}
+
 /// Sets footprint and body compliance of every patch.
-pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch], passes: Passes) -> Flags {
+pub fn press(
+    model: &Model<'_>,
+    params: &Params,
+    contacts: &[Contact],
+    patches: &mut [Patch],
+    passes: Passes,
+) -> (Pressed, Flags) {
+    let mut trials = 0;
     if passes.newborn {
-        press_one(model, params, contacts, patches, patches.len() - 1);
+        trials += press_one(model, params, contacts, patches, patches.len() - 1);
     }
     for _ in 0..passes.whole {
         for i in 0..patches.len() {
-            press_one(model, params, contacts, patches, i);
+            trials += press_one(model, params, contacts, patches, i);
         }
     }
     let mut flags = Flags::CLEAN;
@@ -62,15 +83,16 @@ pub fn press(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: 
             flags |= Flags::LARGE_STRAIN;
         }
     }
-    flags
+    (Pressed { passes, trials }, flags)
 }
 
-fn press_one(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch], i: usize) {
+/// Presses one patch; returns how many depths that took.
+fn press_one(model: &Model<'_>, params: &Params, contacts: &[Contact], patches: &mut [Patch], i: usize) -> usize {
     let displaced = displaced_by_others(model, patches, i);
-    if let Some(patch) = patches.get_mut(i) {
-        let pressed = footprint(model, params, contacts, patch, displaced);
-        patch.footprint = Footprint { load: pressed.load * patch.share, ..pressed };
-    }
+    let Some(patch) = patches.get_mut(i) else { return 0 };
+    let (pressed, trials) = footprint(model, params, contacts, patch, displaced);
+    patch.footprint = Footprint { load: pressed.load * patch.share, ..pressed };
+    trials
 }
 
 fn displaced_by_others(model: &Model<'_>, patches: &[Patch], i: usize) -> f32 {
@@ -110,14 +132,16 @@ fn clip(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-fn footprint(model: &Model<'_>, params: &Params, contacts: &[Contact], patch: &Patch, displaced: f32) -> Footprint {
-    let Some(contact) = contacts.iter().find(|contact| contact.part == patch.part) else { return Footprint::NONE };
+/// The footprint, and how many depths were tried.
+fn footprint(model: &Model<'_>, params: &Params, contacts: &[Contact], patch: &Patch, displaced: f32) -> (Footprint, usize) {
+    let Some(contact) = contacts.iter().find(|contact| contact.part == patch.part) else { return (Footprint::NONE, 0) };
     let free = patch.depth - displaced;
     if free <= 0.0 {
-        return Footprint::NONE;
+        return (Footprint::NONE, 0);
     }
     let spring = Spring { seat: &contact.seat, modulus: model.material.contact_modulus(), law: &params.force_law };
-    spring.footprint(in_series(&spring, free, body::normal(model, patch.at_rest(), patch.normal)))
+    let (depth, trials) = in_series(&spring, free, body::normal(model, patch.at_rest(), patch.normal));
+    (spring.footprint(depth), trials)
 }
 
 /// A contact as a spring along its normal.
@@ -146,20 +170,21 @@ impl Spring<'_> {
 
 /// Trials that share the depth between contact and body. A power needs two where the body takes up to a third; the others are for bodies given as softer, and
 /// for loads that grow as no power does.
-const SERIES_STEPS: usize = 8;
+pub const SERIES_STEPS: usize = 8;
 
 /// Share of the contact's part of the depth by which it may be off: the load is then good to 2e-5, a hundredth of what is known of it.
 const SETTLED: f32 = 1.0e-5;
 
-/// The part of `depth` that is the contact's beside a body of this compliance \[m/N\]: x of equation 3.12. What both take only grows with x, so that x is bracketed.
-fn in_series(spring: &Spring<'_>, depth: f32, compliance: f32) -> f32 {
+/// The part of `depth` that is the contact's beside a body of this compliance \[m/N\], and in how many trials it was found: x of equation 3.12. What both take only grows
+/// with x, so that x is bracketed.
+fn in_series(spring: &Spring<'_>, depth: f32, compliance: f32) -> (f32, usize) {
     if compliance <= 0.0 {
-        return depth;
+        return (depth, 0);
     }
     // places, and how much more than the depth is taken there
     let (mut low, mut high) = ((0.0, -depth), (depth, 0.0));
     let (mut x, mut last, mut before) = (depth, depth, None);
-    for _ in 0..SERIES_STEPS {
+    for trial in 1..=SERIES_STEPS {
         let push = spring.push(x);
         let excess = (x - depth) + compliance * push.load;
         if excess < 0.0 {
@@ -181,10 +206,10 @@ fn in_series(spring: &Spring<'_>, depth: f32, compliance: f32) -> f32 {
         let left = share * step;
         (x, last, before) = (next, step, Some((x, push)));
         if left <= SETTLED * x {
-            break;
+            return (x, trial);
         }
     }
-    x
+    (x, SERIES_STEPS)
 }
 
 /// What makes the mean slope of `push` at `x` and of the trial `before` their secant: a cut part tells its slope but for how its exponent changes.
@@ -324,7 +349,7 @@ mod tests {
                     if compliance == 1.0e-2 && !grows(&spring, free) {
                         continue;
                     }
-                    let found = f64::from(in_series(&spring, free, compliance));
+                    let found = f64::from(in_series(&spring, free, compliance).0);
                     let within = f64::from(free) * if compliance < 1.0e-2 { 1.0e-5 } else { 5.0e-4 };
                     // the nearest balance: a cut flat's load may fall for a while, and then there are others
                     let expected = halved(&spring, free, compliance, ((found - 2.0 * within).max(0.0), found + 2.0 * within));
@@ -354,7 +379,7 @@ mod tests {
                 let push = spring.push(x);
                 x = as_power(x, &push, x - contact.depth + compliance * push.load, contact.depth, compliance);
             }
-            let off = (x / in_series(&spring, contact.depth, compliance) - 1.0).abs();
+            let off = (x / in_series(&spring, contact.depth, compliance).0 - 1.0).abs();
             assert!(off <= SETTLED, "{name:?}: {off}");
         });
     }
