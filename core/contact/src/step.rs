@@ -7,7 +7,7 @@
 use glam::Vec3;
 use heapless::VecView;
 
-use crate::budget::{self, Rung, Turns};
+use crate::budget::{self, Rung};
 use crate::coupling;
 use crate::frames::{Pose, ProbeFrame, World};
 use crate::guard::guard;
@@ -69,9 +69,9 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     let left_out =
         detect::detect(model, &now, turns.as_mut(), Seen { contacts: seen, pose: memory.last_pose }, &mut scratch.contacts);
     flags |= count_left_out(memory, left_out);
-    keep_seen(turns.as_ref(), &scratch.contacts, seen);
     // 2 regions
     flags |= regions::track(params, memory, &scratch.contacts, patches, &now);
+    keep_seen(model, &scratch.contacts, patches, seen);
     // 3 force, which asks 5 deform for the dents of the neighbours where there are any
     let passes = budget::passes(model, params, turns.as_ref(), patches);
     let (pressed, strained) = force::press(model, params, &scratch.contacts, patches, passes);
@@ -98,13 +98,19 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     finish(params, memory, patches, Some(&handle), input.dt, flags)
 }
 
-/// Contacts that the next tick may carry on: none where no tick takes turns.
-fn keep_seen(turns: Option<&Turns>, contacts: &[Contact], seen: &mut VecView<Contact>) {
+/// Contacts that the next tick may carry on, without a budget too, which may be set from one tick to the next; a lone part is looked at in every tick. Where they find no room,
+/// those that are followed go first: a patch whose contact is forgotten ends.
+fn keep_seen(model: &Model<'_>, contacts: &[Contact], patches: &[Patch], seen: &mut VecView<Contact>) {
     seen.clear();
-    if turns.is_some() {
-        for &contact in contacts.iter().take(seen.capacity()) {
-            let _ = seen.push(contact);
-        }
+    if model.probe.len() < 2 || seen.extend_from_slice(contacts).is_ok() {
+        return;
+    }
+    let is_followed = |contact: &&Contact| patches.iter().any(|patch| patch.part == contact.part);
+    let followed = contacts.iter().filter(is_followed);
+    let others = contacts.iter().filter(|contact| !is_followed(contact));
+    // bound: contacts
+    for &contact in followed.chain(others).take(seen.capacity()) {
+        let _ = seen.push(contact);
     }
 }
 

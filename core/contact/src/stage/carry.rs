@@ -46,7 +46,7 @@ mod tests {
     use super::*;
     use crate::model::{Material, ModelSpec, ObjectShape, ProbePart};
     use crate::stage::detect::{Seen, detect};
-    use crate::{Model, Quat};
+    use crate::{Input, Model, Params, ParamsSpec, Quat, Scratch, State, Tier, step};
     use heapless::Vec;
 
     const CUBE: ObjectShape<'_> = ObjectShape::Box { size: Vec3::splat(0.1) };
@@ -101,5 +101,53 @@ mod tests {
         assert_eq!((held.centre, held.deepest, held.depth), (last.centre, last.deepest, last.depth));
         let lifted = Pose::new(pose.position + Vec3::Z * (1.01 * last.depth), pose.rotation);
         assert!(carried(&shape, &last, &pose, &lifted).is_none());
+    }
+
+    /// Ten capsules on a ring, every other one 0.1 mm lower.
+    fn ring() -> [ProbePart<'static>; 10] {
+        core::array::from_fn(|i| {
+            let position = Quat::from_rotation_z(0.628 * i as f32) * Vec3::X * 0.035 - Vec3::Z * (1.0e-4 * (i % 2) as f32);
+            ProbePart { position, ..ProbePart::at_origin(ProbeShape::Capsule { radius: 0.003, height: 0.01 }) }
+        })
+    }
+
+    fn on_cube(parts: &[ProbePart<'static>; 10], mut with: impl FnMut(&Model<'_>, &dyn Fn(i16) -> Input)) {
+        let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let model = Model::new(&ModelSpec::new(CUBE, rubber, parts)).unwrap();
+        let pose = |tick: i16| Pose::new(Vec3::new(1.0e-6 * f32::from(tick), 0.0, 0.1078), Quat::IDENTITY);
+        with(&model, &|tick| Input { pose: pose(tick), dt: 1.0e-3 });
+    }
+
+    fn point(work: Option<u32>) -> Params {
+        Params::new(&ParamsSpec { tier: Tier::Point, work, ..ParamsSpec::default() }).unwrap()
+    }
+
+    #[test]
+    fn a_budget_that_is_set_amid_contacts_leaves_them_all() {
+        on_cube(&ring(), |model, input| {
+            let (mut all, mut turns) = (State::<10, 0>::new(), State::<10, 0>::new());
+            let mut scratch = Scratch::<10>::new();
+            for t in 0..60 {
+                let free = step(model, &point(None), &mut all, &mut scratch, input(t));
+                let short = step(model, &point((t >= 20).then_some(60_000)), &mut turns, &mut scratch, input(t));
+                assert_eq!(short.report.regions, free.report.regions, "tick {t}");
+                let off = (short.contact.force - free.contact.force).length();
+                assert!(off <= 1.0e-3 * free.contact.force.length(), "tick {t}: {off}");
+            }
+        });
+    }
+
+    #[test]
+    fn where_few_contacts_find_room_those_of_the_patches_do() {
+        on_cube(&ring(), |model, input| {
+            let (mut state, mut scratch) = (State::<2, 0>::new(), Scratch::<10>::new());
+            let mut held = None;
+            for t in 0..60 {
+                step(model, &point(Some(60_000)), &mut state, &mut scratch, input(t));
+                let oldest = state.patches().first().map(|patch| patch.born);
+                held = held.or(oldest);
+                assert_eq!(oldest, held, "tick {t}");
+            }
+        });
     }
 }
