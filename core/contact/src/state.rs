@@ -23,7 +23,7 @@ use crate::wrench::Wrench;
 pub struct State<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize = 0> {
     pub(crate) memory: Memory,
     pub(crate) patches: Vec<Patch, PATCHES>,
-    /// Contacts of the last tick, where there is a work budget: those that the next does not look at are carried on.
+    /// Contacts of the last tick, those of patches first where there is no room for all: those that the next does not look at are carried on.
     pub(crate) seen: Vec<Contact, PATCHES>,
     pub(crate) samples: [[Bristle; SAMPLES]; PATCHES],
     pub(crate) traces: [[Trace; TRACES]; PATCHES],

@@ -17,8 +17,8 @@ pub fn carried(
     before: &Pose<World, ProbeFrame>,
     now: &Pose<World, ProbeFrame>,
 ) -> Option<Contact> {
-    let depth = last.depth - last.normal.dot(moved(last.deepest, before, now));
     let middle = last.normal * roundness(shape);
+    let depth = last.depth - last.normal.dot(moved(last.deepest + middle, before, now));
     let carry = |place: Vec3| place + moved(place + middle, before, now);
     let contact =
         || Contact { centre: carry(last.centre), deepest: carry(last.deepest), depth, seat: last.seat.stretched(depth), ..*last };
@@ -149,5 +149,19 @@ mod tests {
                 assert_eq!(oldest, held, "tick {t}");
             }
         });
+    }
+
+    #[test]
+    fn a_ball_that_spins_stays_as_deep() {
+        let shape = ProbeShape::Sphere { radius: 0.01 };
+        let parts = [ProbePart::at_origin(shape)];
+        let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let model = Model::new(&ModelSpec::new(CUBE, rubber, &parts)).unwrap();
+        // 50 um deep; its lowest material rises by 72 um
+        let before = Pose::new(Vec3::new(0.01, 0.02, 0.10995), Quat::IDENTITY);
+        let now = Pose::new(before.position, Quat::from_rotation_y(0.12));
+        let last = seen(&model, &before).unwrap();
+        let spun = carried(&shape, &last, &before, &now).unwrap();
+        assert!((spun.depth - last.depth).abs() < 1.0e-8 && (spun.centre - last.centre).length() < 1.0e-8);
     }
 }
