@@ -193,7 +193,8 @@ fn turned_support<'a>(part: &'a ProbePart<'_>, x_wa: &'a Pose<World, PartFrame>)
     move |d_w| x_wa.position + to_world * support(&part.shape, to_part * d_w)
 }
 
-fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
+/// The part's farthest point along a direction, in world.
+pub fn support_in_world(part: &ProbePart<'_>, x_wa: &Pose<World, PartFrame>, d_w: Vec3) -> Vec3 {
     x_wa.point(support(&part.shape, x_wa.rotation.conjugate() * d_w))
 }
 

@@ -2,28 +2,52 @@
 //!
 //! Where a tick's work does not suffice to look at every part that is near, the parts take turns ([`budget`](crate::budget)). Until its turn comes, a contact keeps its normal, its footprint
 //! grows on as it grew, and its place and depth follow the part's motion to first order: the depth of the deepest point changes by the motion of the
-//! material there along the normal, and by nothing else, since no other point was deeper (theory.md, equation 2.9).
+//! material there along the normal, and by nothing else where no other point was as deep (theory.md, equation 2.9). Of a flat or a line that tips all points were: its farthest point against the normal
+//! may have become the deepest.
 
 use glam::Vec3;
 
 use crate::frames::{Pose, ProbeFrame, World};
-use crate::model::ProbeShape;
+use crate::geometry::deepest::{part_pose, support_in_world};
+use crate::geometry::gap;
+use crate::model::{ObjectShape, ProbePart, ProbeShape};
 use crate::scratch::Contact;
 
-/// `last` as it is once the probe went from `before` to `now`, on a part of this shape; `None` where the two have parted.
+/// `last` as it is once the probe went from `before` to `now`, on this part; `None` where the two have parted.
 pub fn carried(
-    shape: &ProbeShape<'_>,
+    object: &ObjectShape<'_>,
+    part: &ProbePart<'_>,
     last: &Contact,
     before: &Pose<World, ProbeFrame>,
     now: &Pose<World, ProbeFrame>,
 ) -> Option<Contact> {
-    let middle = last.normal * roundness(shape);
-    let depth = last.depth - last.normal.dot(moved(last.deepest + middle, before, now));
+    if now == before {
+        return Some(*last);
+    }
+    let middle = last.normal * roundness(&part.shape);
     let carry = |place: Vec3| place + moved(place + middle, before, now);
-    let contact =
-        || Contact { centre: carry(last.centre), deepest: carry(last.deepest), depth, seat: last.seat.stretched(depth), ..*last };
+    let depth = last.depth - last.normal.dot(moved(last.deepest + middle, before, now));
+    let tipped = tipped(object, part, last.normal, now).filter(|tipped| tipped.depth > depth);
+    let Spot { depth, deepest } = tipped.unwrap_or_else(|| Spot { depth, deepest: carry(last.deepest) });
+    let contact = || Contact { centre: carry(last.centre), deepest, depth, seat: last.seat.stretched(depth), ..*last };
     // also none for a depth that is not a number
     (depth > 0.0).then(contact)
+}
+
+/// A point of a part, and how deep it lies \[m\].
+struct Spot {
+    depth: f32,
+    deepest: Vec3,
+}
+
+/// The farthest point against the normal of a part with flats or straight lines; none of a mesh or on one, where it is dear.
+fn tipped(object: &ObjectShape<'_>, part: &ProbePart<'_>, normal: Vec3, now: &Pose<World, ProbeFrame>) -> Option<Spot> {
+    let is_round = matches!(part.shape, ProbeShape::Sphere { .. } | ProbeShape::Ellipsoid { .. } | ProbeShape::Mesh(_));
+    if is_round || matches!(object, ObjectShape::Mesh(_)) {
+        return None;
+    }
+    let deepest = support_in_world(part, &part_pose(part, now), -normal);
+    Some(Spot { depth: -gap::slope(object, deepest).distance, deepest })
 }
 
 /// How far the probe's material at a place of world went \[m\]: nothing, to the bit, where the pose is the same.
@@ -44,7 +68,7 @@ fn roundness(shape: &ProbeShape<'_>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Material, ModelSpec, ObjectShape, ProbePart};
+    use crate::model::{Material, ModelSpec};
     use crate::stage::detect::{Seen, detect};
     use crate::{Input, Model, Params, ParamsSpec, Quat, Scratch, State, Tier, step};
     use heapless::Vec;
@@ -67,7 +91,7 @@ mod tests {
         let turn = Quat::from_scaled_axis(Vec3::new(0.6, -0.3, 0.2) * (10.0e-6 * size)).normalize();
         let now = Pose::new(from + Vec3::new(0.5, 0.7, -0.4) * (1.0e-6 * size), (turn * before.rotation).normalize());
         let last = seen(&model, &before).unwrap();
-        let (carried, found) = (carried(&shape, &last, &before, &now).unwrap(), seen(&model, &now).unwrap());
+        let (carried, found) = (carried(&model.object, &parts[0], &last, &before, &now).unwrap(), seen(&model, &now).unwrap());
         assert_eq!(carried.normal, last.normal);
         (carried.depth - found.depth).abs()
     }
@@ -97,10 +121,10 @@ mod tests {
         let model = Model::new(&ModelSpec::new(CUBE, rubber, &parts)).unwrap();
         let pose = Pose::new(Vec3::new(0.01, 0.02, 0.111), Quat::from_rotation_x(0.5));
         let last = seen(&model, &pose).unwrap();
-        let held = carried(&shape, &last, &pose, &pose).unwrap();
+        let held = carried(&CUBE, &parts[0], &last, &pose, &pose).unwrap();
         assert_eq!((held.centre, held.deepest, held.depth), (last.centre, last.deepest, last.depth));
         let lifted = Pose::new(pose.position + Vec3::Z * (1.01 * last.depth), pose.rotation);
-        assert!(carried(&shape, &last, &pose, &lifted).is_none());
+        assert!(carried(&CUBE, &parts[0], &last, &pose, &lifted).is_none());
     }
 
     /// Ten capsules on a ring, every other one 0.1 mm lower.
@@ -161,7 +185,33 @@ mod tests {
         let before = Pose::new(Vec3::new(0.01, 0.02, 0.10995), Quat::IDENTITY);
         let now = Pose::new(before.position, Quat::from_rotation_y(0.12));
         let last = seen(&model, &before).unwrap();
-        let spun = carried(&shape, &last, &before, &now).unwrap();
+        let spun = carried(&model.object, &parts[0], &last, &before, &now).unwrap();
         assert!((spun.depth - last.depth).abs() < 1.0e-8 && (spun.centre - last.centre).length() < 1.0e-8);
+    }
+
+    /// Whichever way it tips: the corner that stood for all may be the one that rises.
+    #[test]
+    fn a_flat_or_a_line_that_tips_stays_as_deep_as_its_lowest_end() {
+        let rubber = Material { young_modulus: 3.0e6, poisson_ratio: 0.5, density: 1100.0 };
+        let lying = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
+        let flats = [
+            (ProbeShape::Box { size: Vec3::splat(0.02) }, Quat::IDENTITY, 0.01),
+            (ProbeShape::Cylinder { radius: 0.01, height: 0.02 }, Quat::IDENTITY, 0.01),
+            (ProbeShape::Capsule { radius: 0.005, height: 0.02 }, lying, 0.005),
+            (ProbeShape::Cylinder { radius: 0.005, height: 0.02 }, lying, 0.005),
+        ];
+        for ((shape, rotation, under), tip) in flats.iter().flat_map(|flat| [-2.5e-3, 2.5e-3].map(|tip| (*flat, tip))) {
+            let parts = [ProbePart::at_origin(shape)];
+            let model = Model::new(&ModelSpec::new(CUBE, rubber, &parts)).unwrap();
+            let before = Pose::new(Vec3::new(0.001, 0.002, 0.1 + under - 2.0e-5), rotation);
+            let now = Pose::new(before.position, (Quat::from_rotation_y(tip) * rotation).normalize());
+            let (last, found) = (seen(&model, &before).unwrap(), seen(&model, &now).unwrap());
+            let tipped = carried(&model.object, &parts[0], &last, &before, &now).map(|tipped| tipped.depth);
+            assert!(
+                tipped.is_some_and(|depth| (depth - found.depth).abs() < 1.0e-7),
+                "{shape:?} {tip}: {tipped:?} {}",
+                found.depth
+            );
+        }
     }
 }

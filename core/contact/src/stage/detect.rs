@@ -93,7 +93,7 @@ fn look_by_turns(
             turns.book(&model.object, index, part, &look);
             look.contact
         } else {
-            seen.carried(index, part, x_wp)
+            seen.carried(model, index, part, x_wp)
         };
         if let Some(contact) = contact {
             left_out += keep_deepest(contacts, contact);
@@ -123,9 +123,9 @@ pub struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    fn carried(&self, index: usize, part: &ProbePart<'_>, now: &Pose<World, ProbeFrame>) -> Option<Contact> {
+    fn carried(&self, model: &Model<'_>, index: usize, part: &ProbePart<'_>, now: &Pose<World, ProbeFrame>) -> Option<Contact> {
         let last = self.contacts.iter().find(|contact| usize::from(contact.part) == index)?;
-        carried(&part.shape, last, self.pose.as_ref()?, now)
+        carried(&model.object, part, last, self.pose.as_ref()?, now)
     }
 }
 
