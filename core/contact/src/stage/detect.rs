@@ -1,6 +1,6 @@
 //! Stage 1: model x pose -> contacts.
 //!
-//! One convex part makes at most one contact (theory.md, section 2). The list is in part order; when it is full the deepest
+//! One convex part makes at most one contact (theory.md, section 2). The list is in part order, by turns in the order of their looks; when it is full the deepest
 //! are kept and the rest is counted by the next stage. With a work budget the parts may take turns: a contact whose part is not looked at is carried.
 
 use core::cell::Cell;
