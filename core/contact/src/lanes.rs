@@ -34,6 +34,21 @@ impl Lanes {
         Self([sqrt(a), sqrt(b), sqrt(c), sqrt(d)])
     }
 
+    /// How many whole steps each holds, `most` at most, and what is left above them; of numbers from 0 to 2^22.
+    #[inline(always)]
+    pub fn steps<const MOST: usize>(self) -> ([usize; LANES], Self) {
+        const { assert!((MOST + 1).is_power_of_two(), "the steps are cut out of the bits") }
+        // from here on floats are a whole number apart, and their last bits count
+        let whole = Self::splat(8_388_608.0);
+        let near = self + whole - whole;
+        let ([a, b, c, d], [e, f, g, h]) = (near.0, self.0);
+        let above = |near: f32, x: f32| if near > x { 1.0 } else { 0.0 };
+        let steps = (near - Self([above(a, e), above(b, f), above(c, g), above(d, h)])).smaller(Self::splat(MOST as f32));
+        let [a, b, c, d] = (steps + whole).0;
+        let index = |x: f32| x.to_bits() as usize & MOST;
+        ([index(a), index(b), index(c), index(d)], self - steps)
+    }
+
     /// The larger of each pair.
     pub fn larger(self, other: Self) -> Self {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);

@@ -5,6 +5,7 @@
 
 pub mod table;
 
+use crate::lanes::{LANES, Lanes};
 use crate::math::{clamp, root};
 use table::{CONE, HERTZ, INTERVALS, PUNCH, Row, Table};
 
@@ -56,12 +57,40 @@ impl Profile {
         self.columns::<3, 1>(1.0)[0]
     }
 
-    /// Softness in drag and in twist of a bristle at r = `q` a, q in 0..=1: the shift at which it slips in units of mu P/K_t, and the hoop shift
+    /// Softness in drag and in twist of four bristles at r = `q` a, q in 0..=1: the shift at which one slips in units of mu P/K_t, and the hoop shift
     /// over a in units of mu P a/K_theta.
     #[inline(always)]
-    pub fn softness(self, q: f32) -> (f32, f32) {
-        let [drag, twist] = self.columns::<0, 2>(q);
-        (drag, twist)
+    pub fn softness_of_four(self, q: Lanes) -> (Lanes, Lanes) {
+        let [a, b, c, d] = self.columns_of_four::<0, 2>(q);
+        (Lanes([a[0], b[0], c[0], d[0]]), Lanes([a[1], b[1], c[1], d[1]]))
+    }
+
+    /// What lies inside four radii r = `q` a, q in 0..=1, to the bits of [`inside`](Self::inside): load, torque, and what sticks in drag and in twist.
+    #[inline(always)]
+    pub fn inside_four(self, q: Lanes) -> [Lanes; 4] {
+        let [a, b, c, d] = self.columns_of_four::<2, 4>(q);
+        [
+            Lanes([a[0], b[0], c[0], d[0]]),
+            Lanes([a[1], b[1], c[1], d[1]]),
+            Lanes([a[2], b[2], c[2], d[2]]),
+            Lanes([a[3], b[3], c[3], d[3]]),
+        ]
+    }
+
+    /// [`columns`](Self::columns) at four places: their roots, whole steps and shares side by side.
+    #[inline(always)]
+    fn columns_of_four<const FIRST: usize, const N: usize>(self, q: Lanes) -> [[f32; N]; LANES] {
+        let place = (1.0 - q * q).larger(Lanes::default()).roots() * INTERVALS as f32;
+        let at = place.steps::<{ INTERVALS - 1 }>();
+        if self.fullness == FULLNESS_HERTZ {
+            four_rows::<FIRST, N>(&HERTZ, at)
+        } else if self.fullness < FULLNESS_HERTZ {
+            let share = (self.fullness - FULLNESS_CONE) / (FULLNESS_HERTZ - FULLNESS_CONE);
+            mix_four(four_rows::<FIRST, N>(&CONE, at), four_rows::<FIRST, N>(&HERTZ, at), share)
+        } else {
+            let share = (self.fullness - FULLNESS_HERTZ) / (FULLNESS_PUNCH - FULLNESS_HERTZ);
+            mix_four(four_rows::<FIRST, N>(&HERTZ, at), four_rows::<FIRST, N>(&PUNCH, at), share)
+        }
     }
 
     /// What lies inside r = `q` a, q in 0..=1.
@@ -90,6 +119,28 @@ impl Profile {
     }
 }
 
+/// `N` columns of a table from column `FIRST` on, so many rows and this share of the next one down.
+#[inline(always)]
+fn row<const FIRST: usize, const N: usize>(table: &Table, index: usize, blend: f32) -> [f32; N] {
+    // as the index is a step already, this only tells the compiler
+    let index = index & (INTERVALS - 1);
+    let part = |row: &Row| core::array::from_fn(|i| row[FIRST + i]);
+    mix(&part(&table[index]), &part(&table[index + 1]), blend)
+}
+
+#[inline(always)]
+fn four_rows<const FIRST: usize, const N: usize>(table: &Table, at: ([usize; LANES], Lanes)) -> [[f32; N]; LANES] {
+    let ([i, j, k, l], Lanes([a, b, c, d])) = at;
+    [row::<FIRST, N>(table, i, a), row::<FIRST, N>(table, j, b), row::<FIRST, N>(table, k, c), row::<FIRST, N>(table, l, d)]
+}
+
+#[inline(always)]
+fn mix_four<const N: usize>(low: [[f32; N]; LANES], high: [[f32; N]; LANES], share: f32) -> [[f32; N]; LANES] {
+    let ([a, b, c, d], [e, f, g, h]) = (low, high);
+    [mix(&a, &e, share), mix(&b, &f, share), mix(&c, &g, share), mix(&d, &h, share)]
+}
+
+#[inline(always)]
 fn mix<const N: usize>(a: &[f32; N], b: &[f32; N], blend: f32) -> [f32; N] {
     core::array::from_fn(|i| a[i] + (b[i] - a[i]) * blend)
 }

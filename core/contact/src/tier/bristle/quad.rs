@@ -1,10 +1,10 @@
 //! Four bristles at a time: two rings of two. What their forces come to is summed quad by quad, then over the four.
 
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::limits::MAX_BRISTLES;
 use crate::patch::Shift;
 use crate::tier::Hold;
-use crate::tier::bristle::ring::{Ring, Rings};
+use crate::tier::bristle::ring::{Four, Rings};
 use crate::tier::bristle::slip::friction;
 use crate::tier::bristle::{AROUND, Bristle, Layout};
 
@@ -79,17 +79,12 @@ impl core::ops::AddAssign for Lost {
 
 /// Lays out the bristles of `rings`, of which the last may stand alone.
 pub fn lay_out(hold: &Hold, layout: &Layout, rings: &Rings, bristles: &[Bristle], quads: &mut Quads) {
-    for (k, (pair, cells)) in rings.as_slice().chunks(BRISTLES / AROUND).zip(bristles.chunks(BRISTLES)).enumerate() {
-        let (inner, outer) = (pair.first().copied().unwrap_or_default(), pair.get(1).copied().unwrap_or_default());
-        let alone;
-        let cells = match cells.first_chunk() {
-            Some(cells) => cells,
-            None => {
-                alone = padded(cells);
-                &alone
-            }
-        };
-        let _ = quads.push(Quad::new(hold, layout, 2 * k, &inner, &outer, cells));
+    for (k, (four, cells)) in rings.fours().iter().zip(bristles.chunks(2 * BRISTLES)).enumerate() {
+        let (inner, outer) = cells.split_at_checked(BRISTLES).unwrap_or((cells, &[]));
+        let _ = quads.push(Quad::new(hold, layout, LANES * k, &four.inner(), inner));
+        if LANES * k + 2 < rings.len() {
+            let _ = quads.push(Quad::new(hold, layout, LANES * k + 2, &four.outer(), outer));
+        }
     }
 }
 
@@ -105,29 +100,37 @@ fn padded(cells: &[Bristle]) -> [Bristle; BRISTLES] {
 
 impl Quad {
     /// Bristles of the ring `k` and of the next.
-    fn new(hold: &Hold, layout: &Layout, k: usize, inner: &Ring, outer: &Ring, cells: &[Bristle; BRISTLES]) -> Self {
-        let both = |of: fn(&Ring) -> f32| Lanes([of(inner), of(inner), of(outer), of(outer)]);
+    #[inline(always)]
+    fn new(hold: &Hold, layout: &Layout, k: usize, figures: &Four, cells: &[Bristle]) -> Self {
+        let alone;
+        let cells = match cells.first_chunk() {
+            Some(cells) => cells,
+            None => {
+                alone = padded(cells);
+                &alone
+            }
+        };
         let [a, b] = [layout.direction(k, 0), layout.direction(k + 1, 0)];
-        let [p, q, r, s] = cells;
-        let cap = |ring: &Ring, cell: &Bristle| friction(hold, ring, cell.slipped) * ring.load;
+        let Four { load, drag, twist, arm, stuck } = *figures;
         let falls = hold.mu_s > hold.mu_d;
         let cap = if falls {
-            Lanes([cap(inner, p), cap(inner, q), cap(outer, r), cap(outer, s)])
+            let mu = |i: usize| friction(hold, load.0[i], drag.0[i], cells[i].slipped);
+            load * Lanes([mu(0), mu(1), mu(2), mu(3)])
         } else {
-            both(|ring| ring.load) * hold.mu_s
+            load * hold.mu_s
         };
-        let dynamic = both(|ring| ring.load) * hold.mu_d;
+        let dynamic = load * hold.mu_d;
         Self {
             force: (Lanes(cells.map(|cell| cell.force.x)), Lanes(cells.map(|cell| cell.force.y))),
             radial: (Lanes([a.x, -a.x, b.x, -b.x]), Lanes([a.y, -a.y, b.y, -b.y])),
-            drag: both(|ring| ring.drag),
-            twist: both(|ring| ring.twist),
-            arm: both(|ring| ring.arm),
+            drag,
+            twist,
+            arm,
             cap,
             // what has just left stick meets the dynamic cap already in this tick where breakaway is sharp
             cut: if hold.sharp { dynamic } else { cap },
             dynamic,
-            stuck: (both(|ring| ring.stuck.0), both(|ring| ring.stuck.1)),
+            stuck,
         }
     }
 

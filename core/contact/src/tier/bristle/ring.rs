@@ -1,90 +1,120 @@
-//! What a bristle of each ring can hold and how stiff it is.
+//! What a bristle of each ring can hold and how stiff it is, four rings at a time.
 
-use crate::math::min;
-use crate::patch::Grip;
-use crate::profile::Inside;
+use crate::lanes::{LANES, Lanes};
 use crate::tier::Hold;
-use crate::tier::bristle::{AROUND, Bristle, Grid, Layout, MAX_RINGS};
+use crate::tier::bristle::{AROUND, Grid, Layout, MAX_RINGS};
 
-/// One bristle's figures; the same for both bristles of a ring.
+/// One bristle's figures in each of four rings, the same for both bristles of a ring; or those of four bristles. What lies outside the contact
+/// carries nothing and has no stiffness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ring {
+pub struct Four {
     /// Normal load of the cell \[N\]; its cap is mu times this.
-    pub load: f32,
+    pub load: Lanes,
     /// Force per drag \[N/m\].
-    pub drag: f32,
+    pub drag: Lanes,
     /// Hoop force per twist \[N/rad\].
-    pub twist: f32,
+    pub twist: Lanes,
     /// Arm of the cell's force about the centre, so that the torque capacity is exact \[m\].
-    pub arm: f32,
+    pub arm: Lanes,
     /// Area that counts as stuck with this cell in pure drag and in pure twist, shares of the contact area.
-    pub stuck: (f32, f32),
+    pub stuck: (Lanes, Lanes),
 }
 
 /// The rings inside the contact.
 #[derive(Clone, Debug)]
 pub struct Rings {
-    rings: heapless::Vec<Ring, MAX_RINGS>,
+    fours: heapless::Vec<Four, { MAX_RINGS / LANES }>,
+    rings: usize,
 }
 
 impl Rings {
     /// Rings of `grid` under the load of `hold`.
     #[inline]
     pub fn new(hold: &Hold, layout: &Layout, grid: &Grid) -> Self {
-        let mut rings = heapless::Vec::new();
-        let mut inner = Inside::default();
-        for k in 0..layout.rings {
-            if grid.width * k as f32 >= hold.radius {
+        let (mut fours, mut rings) = (heapless::Vec::new(), 0);
+        // the load and the torque inside, and what sticks there
+        let mut last = [0.0; 4];
+        for first in (0..layout.rings).step_by(LANES) {
+            let begin = first as f32 + Lanes([0.0, 1.0, 2.0, 3.0]);
+            let [a, b, c, d] = (begin * grid.width).0.map(|inner| usize::from(inner < hold.radius));
+            if a == 0 {
                 break;
             }
-            let outer = hold.profile.inside(min(grid.width * (k + 1) as f32 / hold.radius, 1.0));
-            let _ = rings.push(between(hold, &inner, &outer));
-            inner = outer;
+            rings = first + a + b + c + d;
+            let ends = (first as f32 + Lanes([1.0, 2.0, 3.0, 4.0])) * grid.width / Lanes::splat(hold.radius);
+            let outer = hold.profile.inside_four(ends.smaller(Lanes::splat(1.0)));
+            let _ = fours.push(between(hold, last, &outer));
+            last = outer.map(|Lanes([_, _, _, last])| last);
         }
-        Self { rings }
+        Self { fours, rings: rings.min(layout.rings) }
     }
 
     /// Rings in contact.
     pub fn len(&self) -> usize {
-        self.rings.len()
+        self.rings
     }
 
     /// True when no ring is in contact.
     pub fn is_empty(&self) -> bool {
-        self.rings.is_empty()
+        self.rings == 0
     }
 
-    /// The rings, innermost first.
-    pub fn as_slice(&self) -> &[Ring] {
-        &self.rings
-    }
-
-    /// Resultant of the bristles; `stick` is left at 0.
-    pub fn sum(&self, layout: &Layout, bristles: &[Bristle]) -> Grip {
-        let mut grip = Grip::default();
-        for (k, (ring, cells)) in self.as_slice().iter().zip(bristles.chunks_exact(AROUND)).enumerate() {
-            for (j, cell) in cells.iter().enumerate() {
-                grip.force += cell.force;
-                grip.torque += ring.arm * layout.direction(k, j).perp_dot(cell.force);
-            }
-        }
-        grip
+    /// The rings by fours, innermost first.
+    pub fn fours(&self) -> &[Four] {
+        &self.fours
     }
 }
 
-/// Stiffness is taken where the cell's force acts; integrating it over the ring would count the soft rim twice.
-fn between(hold: &Hold, inner: &Inside, outer: &Inside) -> Ring {
+/// Rings between radii with `outer` inside, the first from one with `last` inside. Stiffness is taken where the cell's force acts; integrating it over
+/// the ring would count the soft rim twice.
+#[inline(always)]
+fn between(hold: &Hold, last: [f32; 4], outer: &[Lanes; 4]) -> Four {
     let share = 1.0 / AROUND as f32;
-    let load = outer.load - inner.load;
-    let arm = if load > 0.0 { min((outer.torque - inner.torque) / load, 1.0) } else { 1.0 };
-    let (drag_softness, twist_softness) = hold.profile.softness(arm);
-    let stuck = |outer: f32, inner: f32| (outer * outer - inner * inner) * share;
-    Ring {
-        load: hold.load * load * share,
-        drag: share * load * hold.drag_stiffness / (drag_softness + LEAST_SOFTNESS),
-        twist: share * load * hold.twist_stiffness / (hold.arm * (twist_softness + LEAST_SOFTNESS)),
+    let inner = |i: usize| {
+        let [a, b, c, _] = outer[i].0;
+        Lanes([last[i], a, b, c])
+    };
+    let load = outer[0] - inner(0);
+    let ratio = (outer[1] - inner(1)) / load;
+    let one = Lanes::splat(1.0);
+    // a ring without load has its arm at the rim
+    let ([a, b, c, d], [e, f, g, h]) = (load.0, ratio.smaller(one).0);
+    let loaded = |load: f32, arm: f32| if load > 0.0 { arm } else { 1.0 };
+    let arm = Lanes([loaded(a, e), loaded(b, f), loaded(c, g), loaded(d, h)]);
+    let (drag, twist) = hold.profile.softness_of_four(arm);
+    let softness = Lanes::splat(LEAST_SOFTNESS);
+    let stuck = |i: usize| (outer[i] * outer[i] - inner(i) * inner(i)) * share;
+    Four {
+        load: load * hold.load * share,
+        drag: load * share * hold.drag_stiffness / (drag + softness),
+        twist: load * share * hold.twist_stiffness / ((twist + softness) * hold.arm),
         arm: arm * hold.arm,
-        stuck: (stuck(outer.drag_stick, inner.drag_stick), stuck(outer.twist_stick, inner.twist_stick)),
+        stuck: (stuck(2), stuck(3)),
+    }
+}
+
+impl Four {
+    /// Those of the inner two rings, each twice.
+    #[inline(always)]
+    pub fn inner(&self) -> Self {
+        self.each(|Lanes([a, b, ..])| Lanes([a, a, b, b]))
+    }
+
+    /// Those of the outer two rings, each twice.
+    #[inline(always)]
+    pub fn outer(&self) -> Self {
+        self.each(|Lanes([.., c, d])| Lanes([c, c, d, d]))
+    }
+
+    #[inline(always)]
+    fn each(&self, pick: impl Fn(Lanes) -> Lanes) -> Self {
+        Self {
+            load: pick(self.load),
+            drag: pick(self.drag),
+            twist: pick(self.twist),
+            arm: pick(self.arm),
+            stuck: (pick(self.stuck.0), pick(self.stuck.1)),
+        }
     }
 }
 

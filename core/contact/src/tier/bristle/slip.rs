@@ -12,7 +12,7 @@ use crate::math::{max, min};
 use crate::patch::{Grip, Shift};
 use crate::tier::Hold;
 use crate::tier::bristle::quad::{self, BRISTLES, Lost, Moved, Quads};
-use crate::tier::bristle::ring::{Ring, Rings};
+use crate::tier::bristle::ring::Rings;
 use crate::tier::bristle::stiffness::Stiffness;
 use crate::tier::bristle::{Bristle, Layout};
 
@@ -163,9 +163,9 @@ fn square(x: f32) -> f32 {
 /// A bristle or a cell that has left stick is marked by a slip above zero, however small the step was: far below what the least contact slips over, and a normal number still \[m\].
 pub const LEAST_SLIP: f32 = 1.0e-30;
 
-/// Friction of a cell that slipped by `slipped`. Sharp: dynamic at once. Smooth: falls over a length on which the bristle would shed
+/// Friction of a cell of this load \[N\] and drag stiffness \[N/m\] that slipped by `slipped`. Sharp: dynamic at once. Smooth: falls over a length on which the bristle would shed
 /// twice the difference, so that force over shift falls at half the stuck slope and nothing snaps.
-pub fn friction(hold: &Hold, ring: &Ring, slipped: f32) -> f32 {
+pub fn friction(hold: &Hold, load: f32, drag: f32, slipped: f32) -> f32 {
     let excess = hold.mu_s - hold.mu_d;
     if excess <= 0.0 || slipped <= 0.0 {
         return hold.mu_s;
@@ -173,6 +173,6 @@ pub fn friction(hold: &Hold, ring: &Ring, slipped: f32) -> f32 {
     if hold.sharp {
         return hold.mu_d;
     }
-    let fall = 2.0 * excess * ring.load / ring.drag;
+    let fall = 2.0 * excess * load / drag;
     hold.mu_s - excess * min(slipped / fall, 1.0)
 }

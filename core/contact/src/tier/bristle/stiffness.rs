@@ -27,9 +27,10 @@ impl Stiffness {
     /// Every bristle sticks: the pairs cancel every mixed term.
     pub fn all_stuck(rings: &Rings) -> Self {
         let (mut drag, mut twist) = (0.0, 0.0);
-        for ring in rings.as_slice() {
-            drag += ring.drag * AROUND as f32;
-            twist += ring.twist * ring.arm * AROUND as f32;
+        for four in rings.fours() {
+            // ring after ring: those outside the contact add nothing
+            let ([a, b, c, d], [e, f, g, h]) = ((four.drag * AROUND as f32).0, (four.twist * four.arm * AROUND as f32).0);
+            (drag, twist) = (drag + a + b + c + d, twist + e + f + g + h);
         }
         Self { xx: drag, xy: 0.0, yy: drag, force_twist: Vec2::ZERO, torque_drag: Vec2::ZERO, twist }
     }
