@@ -135,7 +135,7 @@ impl Quad {
     }
 
     /// What the bristles hold if the patch shifts by `felt`.
-    #[inline]
+    #[inline(always)]
     pub fn moved(&self, felt: Shift) -> Moved {
         let hoop = self.twist * felt.twist;
         let x = self.force.0 + self.drag * felt.drag.x - self.radial.1 * hoop;
