@@ -30,6 +30,12 @@ impl Lanes {
     /// Their square roots, of what is not negative. A function of its own, as [`total`](Self::total).
     #[inline(never)]
     pub fn roots(self) -> Self {
+        self.roots_in_line()
+    }
+
+    /// The same in line, for where many lanes are in use: around a call each goes to memory and back.
+    #[inline(always)]
+    pub fn roots_in_line(self) -> Self {
         let [a, b, c, d] = self.0;
         Self([sqrt(a), sqrt(b), sqrt(c), sqrt(d)])
     }

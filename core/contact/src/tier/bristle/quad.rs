@@ -43,6 +43,8 @@ pub struct Moved {
     pub force: (Lanes, Lanes),
     /// Torque of it about the centre \[N m\].
     pub torque: Lanes,
+    /// Some of them slide.
+    pub slides: bool,
     /// Size of the elastic trial of a bristle that slides \[N\], 0 of one that sticks.
     pub trial: Lanes,
     /// What it holds over that size; 1 while it sticks.
@@ -143,16 +145,23 @@ impl Quad {
         let (size2, cap2) = (x * x + y * y, self.cap * self.cap);
         let (none, one) = (Lanes::default(), Lanes::splat(1.0));
         if (size2 - cap2).larger(none) == none {
-            return Moved { force: (x, y), torque: self.torque(x, y), trial: none, scale: one, along: (none, none) };
+            return Moved {
+                force: (x, y),
+                torque: self.torque(x, y),
+                slides: false,
+                trial: none,
+                scale: one,
+                along: (none, none),
+            };
         }
         // 1 of one that slides, 0 of one that sticks, whose size is not needed, but must be no zero to divide by
         let slides = Lanes(core::array::from_fn(|i| if size2.0[i] > cap2.0[i] { 1.0 } else { 0.0 }));
         let sticks = one - slides;
-        let size = (size2 * slides + sticks).roots();
+        let size = (size2 * slides + sticks).roots_in_line();
         let over = slides / size;
         let (trial, scale, along) = (size * slides, self.cut * over + sticks, (x * over, y * over));
         let force = (x * sticks + along.0 * self.cut, y * sticks + along.1 * self.cut);
-        Moved { force, torque: self.torque(force.0, force.1), trial, scale, along }
+        Moved { force, torque: self.torque(force.0, force.1), slides: true, trial, scale, along }
     }
 
     /// Torque of forces about the centre \[N m\].

@@ -92,7 +92,7 @@ fn probe(quads: &Quads, felt: Shift, stuck: Stiffness) -> Trial {
     for quad in quads {
         let moved = quad.moved(felt);
         sum.add(&moved);
-        if moved.trial != Lanes::default() {
+        if moved.slides {
             lost += quad.lost(&moved);
             slides = true;
         }
