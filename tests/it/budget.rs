@@ -38,11 +38,16 @@ const FACTOR: f64 = 1.5;
 const BUDGET: [u32; 2] = [1_250, 700];
 
 /// Rows whose estimate lies further above, and why that is right.
-const FARTHER: [(&str, f64, &str); 3] = [
+const FARTHER: [(&str, f64, &str); 4] = [
     (
         "paper 64",
         4.0,
         "every patch's samples are counted, and a tick asks them only where the axis of the turn goes through the patch",
+    ),
+    (
+        "point, ",
+        2.0,
+        "a patch that turns and slides at once, and has turned back before, costs twice what one does that only slides or turns",
     ),
     ("on ellipsoid", 2.6, "a part that lies a centimetre deep in an ellipsoid costs twice what the rows' millimetre does"),
     (

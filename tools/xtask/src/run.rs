@@ -103,6 +103,8 @@ pub fn install(packages: &[&str]) -> Result<()> {
     if ask("apt-get", &["--version"]).is_none() || ask("id", &["-u"]).as_deref() != Some("0") {
         return Ok(());
     }
+    // a list that was never fetched, or long ago, knows other versions
+    run(Command::new("apt-get").arg("update"))?;
     run(Command::new("apt-get").args(["install", "-y", "--no-install-recommends"]).args(packages))
 }
 

@@ -132,8 +132,8 @@ pub const GROUND_FOUR: u32 = 800;
 /// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
 pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;
 
-/// Tier `point`, a patch. "point, sphere on half space" less "sphere on half space". 3 % above its rows.
-pub const POINT: u32 = 2_900;
+/// Tier `point`, a patch. Of a patch that slides and turns at once with turning points behind it, which is up to 1.8 times "point, sphere on half space" less "sphere on half space".
+pub const POINT: u32 = 4_900;
 
 /// Tier `paper`, a patch and a sample. "paper 64, half space, one region, slide" and "twist" less their rows without friction.
 pub const PAPER: u32 = 300;
