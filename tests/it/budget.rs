@@ -296,7 +296,7 @@ proptest! {
 
 #[test]
 fn ten_regions_arriving_one_after_the_other_get_cheaper_tiers_and_no_step() {
-    let spec = ParamsSpec { tier: Tier::Influence, samples: 52, work: Some(150_000), ..ParamsSpec::default() };
+    let spec = ParamsSpec { tier: Tier::Influence, samples: 52, work: Some(115_000), ..ParamsSpec::default() };
     let mut drive = Drive::new(CUBE, RUBBER, &tips(), &spec);
     let (mut seen, mut last) = (Vec::new(), None::<(Wrench, u8)>);
     for tick in 0..400 {

@@ -54,7 +54,7 @@ const PAIR: [[u32; SHAPES]; OBJECTS] = [
 ];
 
 /// The part of [`PAIR`] that is pressing, and each depth that is tried where the body gives way. Bounds of parts pressed at corners, beside others and in tiers of all kinds.
-pub const PRESSED: [u32; SHAPES] = [480, 700, 600, 700, 700, 700, 700];
+pub const PRESSED: [u32; SHAPES] = [570, 700, 600, 700, 700, 700, 700];
 /// See [`PRESSED`].
 pub const TRIAL: [u32; SHAPES] = [100, 450, 300, 450, 450, 450, 450];
 
@@ -122,12 +122,12 @@ pub const TABLE: u32 = 4_250;
 /// The same for each patch and each other. "no friction, box with a table, ten regions" less "no friction, box, ten regions, twist" and ten [`TABLE`], by 90.
 pub const TABLE_NEIGHBOUR: u32 = 8_200;
 
-/// The ground under a patch that friction holds, where there is a body. "point, sphere on wide box" less "sphere on wide box" and [`POINT`]. 7 % above its rows.
-pub const GROUND: u32 = 2_200;
+/// The ground under a patch that friction holds, where there is a body. "bristle 64, box, ten regions, twist" less "bristle 64, half space, ten regions, twist" and what the two differ by without
+/// friction, by 10, and what the column of the ground in the table of functions says of ten tips under a plate.
+pub const GROUND: u32 = 1_400;
 
-/// How the grips of four patches move the ground of one: for each patch and each four of all. "point, half space, ten regions, slide" less its row
-/// without friction and ten [`POINT`], by 30. 8 % above its rows, on whose flat objects nothing bends.
-pub const GROUND_FOUR: u32 = 800;
+/// How the grips of four patches move the ground of one: for each patch and each four of all. From the same column, by 30.
+pub const GROUND_FOUR: u32 = 460;
 
 /// The same by the body's table. "point, box with a table, ten regions" less its row without friction, ten [`POINT`] and ten [`GROUND`], by 90.
 pub const GROUND_TABLE_NEIGHBOUR: u32 = 8_300;
@@ -141,9 +141,9 @@ pub const PAPER: u32 = 300;
 pub const PAPER_SAMPLE: u32 = 131;
 
 /// Tier `bristle`, a patch, a sample that the contact reaches, and one of a grid that is laid anew. "base, bristle 16", "base" and "base, bristle 256" less "no friction, half space, one region, twist".
-pub const BRISTLE: u32 = 1_800;
+pub const BRISTLE: u32 = 2_000;
 /// See [`BRISTLE`].
-pub const BRISTLE_SAMPLE: u32 = 312;
+pub const BRISTLE_SAMPLE: u32 = 238;
 /// See [`BRISTLE`].
 pub const BRISTLE_LAID: u32 = 60;
 

@@ -49,8 +49,8 @@ use turns::{Room, Round, Turn};
 /// Ticks in a row in which the next rung up must fit before it is taken: a tenth of a second at 1 kHz, longer than a contact that chatters.
 pub const CALM_TICKS: u8 = 100;
 
-/// Share of the budget, as a divisor, that must stay free on the next rung up: an eighth, so that the next birth beside ten regions does not undo it.
-pub const MARGIN: u32 = 8;
+/// Share of the budget, as a divisor, that must stay free on the next rung up: a sixteenth, more than what a contact takes wanders by while it slides.
+pub const MARGIN: u32 = 16;
 
 /// Halvings of the samples asked: from 256 to 16, below which a search may begin at the wrong side of a body.
 const SEARCH_STEPS: u8 = (ASKED_SAMPLES / MIN_SAMPLES).ilog2() as u8;
