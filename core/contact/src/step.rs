@@ -45,7 +45,7 @@ pub struct Output {
 }
 
 /// Runs one tick. Cannot fail, cannot panic, reads no clock; every loop is bounded by a capacity (`bounds.md`), and where the
-/// parameters set a work budget its estimated work fits that wherever the lowest rung does ([`budget`](crate::budget)).
+/// parameters set a work budget its estimated work fits that wherever the lowest rung and a look at one part do ([`budget`](crate::budget)).
 pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, const CONTACTS: usize>(
     model: &Model<'_>,
     params: &Params,
@@ -90,7 +90,7 @@ pub fn step<const PATCHES: usize, const SAMPLES: usize, const TRACES: usize, con
     flags |= lowered | torque::hold(model, params, rung, patches, work, &now, changed);
     // 6 wrench
     memory.contact = wrench::total(model, params, patches, &now);
-    flags |= drop_what_is_not_finite(memory, patches);
+    flags |= drop_what_is_not_finite(memory, patches, seen);
     coupling::linearise(model, params, memory, patches);
     ramp_if_started_inside(params, memory, patches);
     remember(params, memory, patches, now, births, flags);
@@ -123,11 +123,12 @@ fn coarseness(patches: &[Patch], now: &Pose<World, ProbeFrame>) -> Flags {
 }
 
 /// A contact that is not finite is dropped whole: nothing of it may live on.
-fn drop_what_is_not_finite(memory: &mut Memory, patches: &mut VecView<Patch>) -> Flags {
+fn drop_what_is_not_finite(memory: &mut Memory, patches: &mut VecView<Patch>, seen: &mut VecView<Contact>) -> Flags {
     if memory.contact.is_finite() {
         return Flags::CLEAN;
     }
     patches.clear();
+    seen.clear();
     memory.contact = Wrench::ZERO;
     Flags::NON_FINITE
 }

@@ -101,7 +101,8 @@ pub const BUDGET: u32 = 1_250;
 pub const BUDGET_PART: u32 = 700;
 
 /// Following a contact whose part is not looked at; a third of it by the part's farthest point, once it tips.
-pub const CARRIED: u32 = 1_100;
+/// Columns as [`shape_column`].
+pub const CARRIED: [u32; SHAPES] = [800, 1_800, 800, 1_800, 1_800, 1_800, 1_000];
 
 /// One more sample that a mesh is asked for, by all that ask on an object. "mesh on OBJECT" less "mesh of 32 on OBJECT", by 224. Rows as [`object_row`].
 pub const SAMPLE: [u32; OBJECTS] = [16, 80, 80, 76, 80, 80, 355, 120];

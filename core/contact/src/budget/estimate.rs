@@ -17,8 +17,7 @@ use crate::tier::influence::Layout;
 /// What every tick of a scene has to do: the list of calls, bounding balls, coupling, guard.
 pub fn of_any_tick(model: &Model<'_>, params: &Params) -> u32 {
     let part = if matches!(model.object, ObjectShape::Mesh(_)) { costs::PART_ON_MESH } else { costs::PART };
-    // a mesh's ball is looked at before its samples are chosen, and once more by stage 1
-    let balls = count(model.probe.len() + model.probe.iter().filter(|part| is_mesh(part)).count());
+    let balls = count(model.probe.len());
     let coupling = if params.coupling == CouplingSpec::Direct { 0 } else { costs::COUPLING };
     let passivity = if params.guard.passivity.is_some() { costs::PASSIVITY } else { 0 };
     costs::TICK.saturating_add(part.saturating_mul(balls)).saturating_add(coupling + passivity)
@@ -81,7 +80,7 @@ pub struct Counts<'a> {
     /// Parts near the object.
     pub near: usize,
     /// Those of them that were not looked at.
-    pub waiting: usize,
+    pub waiting: Parts,
     /// Patches that are followed.
     pub patches: &'a [Patch],
     /// What pressing them takes.
@@ -107,7 +106,7 @@ pub fn of_contacts(model: &Model<'_>, params: &Params, counts: &Counts<'_>) -> u
     let joined = costs::EXCESS.saturating_mul(neighbours(patches) * excess);
     [
         of_budget(counts.near),
-        costs::CARRIED.saturating_mul(count(counts.waiting)),
+        of_carrying(model, counts.waiting),
         of_following(patches),
         joined,
         of_pressing(model, counts.patches, counts.pressed),
@@ -124,12 +123,17 @@ pub fn beside_looks(model: &Model<'_>, params: &Params, near: Parts) -> u32 {
     };
     let each = near.of(model.probe).fold(0, |sum: u32, (_, part)| sum.saturating_add(press(part)));
     let newborn = near.of(model.probe).map(|(_, part)| press(part)).fold(0, u32::max);
-    let carried = costs::CARRIED.saturating_mul(count(parts));
+    let carried = of_carrying(model, near);
     // at most as many regions too many as there are parts
     let joined = costs::EXCESS.saturating_mul(neighbours(parts) * count(parts.saturating_sub(params.max_regions)));
     [of_budget(parts), each, newborn, carried, joined, of_following(parts)]
         .into_iter()
         .fold(of_any_tick(model, params), u32::saturating_add)
+}
+
+/// Carrying the contacts of these parts.
+fn of_carrying(model: &Model<'_>, waiting: Parts) -> u32 {
+    waiting.of(model.probe).fold(0, |sum: u32, (_, part)| sum.saturating_add(of_shape(&costs::CARRIED, part)))
 }
 
 /// Following so many patches, and grouping them.

@@ -209,7 +209,7 @@ fn rung_within(
     account.held = held(steps);
     account.work = contacts.saturating_add(account.held);
     account.round = turns.round();
-    let lowered = steps > 0 || turns.asked() < ASKED_SAMPLES || turns.waiting() > 0 || pressed.passes.is_short();
+    let lowered = steps > 0 || turns.asked() < ASKED_SAMPLES || turns.waiting() != Parts::NONE || pressed.passes.is_short();
     (wanted.below(steps), if lowered { Flags::TIER_LOWERED } else { Flags::CLEAN })
 }
 

@@ -73,8 +73,8 @@ impl Turns {
     }
 
     /// Near parts that no look was begun at.
-    pub const fn waiting(&self) -> usize {
-        self.near.count() - self.looked.count()
+    pub const fn waiting(&self) -> Parts {
+        self.near.without(self.looked)
     }
 
     /// The near part that has waited longest of those that have not had their turn, the first of several.

@@ -36,6 +36,11 @@ impl Parts {
         self.0.wrapping_shr(index as u32) & 1 != 0
     }
 
+    /// Those that are not among the others.
+    pub const fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+
     /// How many they are.
     pub const fn count(self) -> usize {
         self.0.count_ones() as usize
