@@ -54,7 +54,7 @@ const PAIR: [[u32; SHAPES]; OBJECTS] = [
 ];
 
 /// The part of [`PAIR`] that is pressing, and each depth that is tried where the body gives way. Bounds of parts pressed at corners, beside others and in tiers of all kinds.
-pub const PRESSED: [u32; SHAPES] = [570, 700, 600, 700, 700, 700, 700];
+pub const PRESSED: [u32; SHAPES] = [570, 1_600, 900, 1_600, 1_600, 1_600, 1_600];
 /// See [`PRESSED`].
 pub const TRIAL: [u32; SHAPES] = [100, 450, 300, 450, 450, 450, 450];
 
