@@ -32,6 +32,13 @@ struct Section {
     level: Vec<&'static str>,
 }
 
+impl Section {
+    /// How many levels it has: those that are named, or all.
+    const fn levels(&self) -> usize {
+        if self.level.is_empty() { TIERS } else { 1 }
+    }
+}
+
 /// All sections of a scene.
 fn sections(scene: &'static str) -> impl Iterator<Item = Section> {
     let budgets = BUDGETS.into_iter().filter(move |budget| budget.0 == scene);
@@ -132,18 +139,20 @@ fn measure(args: &Args, haptor: &Path) -> Result<PathBuf> {
     let folder = target()?.join("timing");
     let sections: Vec<_> = SCENES.into_iter().filter(|scene| args.has(scene)).flat_map(sections).collect();
     let mut left = args.minutes.map(|minutes| f64::from(60 * minutes));
-    for (done, Section { scene, title, level }) in sections.iter().enumerate() {
+    let mut levels: usize = sections.iter().map(Section::levels).sum();
+    for section @ Section { scene, title, level } in &sections {
         let mut command = run::program(haptor);
         command.args(["timing", &format!("tests/scenes/{scene}.toml"), "--ticks", &args.ticks.to_string()]).args(level);
         command.args(["--search-seconds", &args.search_seconds.to_string(), "--known", worst::FOLDER]);
         if let Some(left) = left {
             // what cheap tiers do not need is left to the dear ones: scenes come cheapest first
-            let each = (left / (TIERS * (sections.len() - done)) as f64).max(1.0);
+            let each = (left / levels as f64).max(1.0);
             command.args(["--time-seconds", &(each as u32).to_string()]);
         }
         run::run(command.arg("-o").arg(folder.join(title)))?;
         let spent: f64 = list(&report(&folder.join(title).join("timing.json"))?["levels"]).iter().map(seconds).sum();
         left = left.map(|left| left - spent);
+        levels -= section.levels();
     }
     Ok(folder)
 }
