@@ -12,7 +12,7 @@ use crate::cli::{build, haptor, released, root};
 #[path = "../support/worst.rs"]
 mod worst;
 
-use crate::counts::counting::callgrind::{ByFile, Job, by_file};
+use crate::counts::counting::callgrind::{self, Job};
 use worst::{Kept, rows};
 
 /// How much a count may grow.
@@ -47,8 +47,7 @@ fn counted(program: &Path, kept: &Kept, level: &[String]) -> u64 {
     let job = Job { program, args: &args, keep: &[], pattern: "*measured_*", marked, lines: false, folder: folder.path() };
     let said: Value = serde_json::from_str(&job.run().unwrap()).unwrap();
     let ticks = said["ticks"].as_u64().unwrap() as usize;
-    let total = |call| by_file(&job.dump(call).unwrap(), &mut Default::default(), &mut ByFile::new());
-    (0..ticks).map(total).max().unwrap()
+    (0..ticks).map(|call| callgrind::total(&job.dump(call).unwrap()).unwrap()).max().unwrap()
 }
 
 #[test]

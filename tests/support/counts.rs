@@ -1,16 +1,21 @@
-//! Exact instruction counts of ticks: `haptor-counts` under valgrind's callgrind, read back scene by scene and file by file.
+//! Exact instruction counts of ticks: `haptor-counts` under valgrind's callgrind, read back scene by scene, file by file and stage by stage.
 //!
-//! What counts and how dumps are read is the host tool's `callgrind.rs`. Needs nothing but the standard library: the test and the developer command
+//! What counts and how dumps are read is the host tool's `callgrind.rs` and `stages.rs`. Needs nothing but the standard library: the test and the developer command
 //! that writes the table both include this file.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-#[allow(dead_code, reason = "stages are a table's, which the test does not write")]
+#[path = "by_file.rs"]
+pub mod by_file;
+#[allow(dead_code, reason = "the counter's version is a table's, which the test does not write")]
 #[path = "../../tools/haptor/src/timing/callgrind.rs"]
 pub mod callgrind;
+#[path = "../../tools/haptor/src/timing/stages.rs"]
+pub mod stages;
 
-use callgrind::{ByFile, Job, by_file, within};
+use by_file::{ByFile, by_file, within};
+use callgrind::Job;
+use stages::{Names, STAGES, by_stage};
 
 /// The program whose ticks are counted, a package and its binary.
 pub const PROGRAM: &str = "haptor-counts";
@@ -36,6 +41,8 @@ pub struct Counted {
     pub worst: u64,
     /// Instructions of all calls by source file; ours by their path in the core's `src`, others under `libraries`.
     pub files: ByFile,
+    /// Instructions of all calls by stage, what is in none of them last.
+    pub stages: [u64; STAGES.len() + 1],
 }
 
 impl Counted {
@@ -45,6 +52,7 @@ impl Counted {
     }
 
     /// Instructions of all calls in files whose path starts with one of these.
+    #[allow(dead_code, reason = "the test asks, the table has stages")]
     pub fn within(&self, starts: &[&str]) -> u64 {
         within(&self.files, starts)
     }
@@ -57,7 +65,7 @@ impl Counted {
 pub fn count(program: &Path, folder: &Path) -> Result<Vec<Counted>, String> {
     let job = Job { program, args: &[], keep: &[], pattern: "*measured_*", marked: &MARKED, lines: true, folder };
     let said = job.run()?;
-    let (mut counted, mut names): (Vec<Counted>, _) = (Vec::new(), HashMap::new());
+    let (mut counted, mut names): (Vec<Counted>, _) = (Vec::new(), Names::default());
     for (call, name) in said.lines().enumerate() {
         let dump = job.dump(call)?;
         if counted.last().is_none_or(|last| last.name != name) {
@@ -65,6 +73,8 @@ pub fn count(program: &Path, folder: &Path) -> Result<Vec<Counted>, String> {
         }
         if let Some(last) = counted.last_mut() {
             let total = by_file(&dump, &mut names, &mut last.files);
+            let (of, rest) = by_stage(&dump, &mut names);
+            last.stages.iter_mut().zip(of.into_iter().chain([rest])).for_each(|(sum, count)| *sum += count);
             last.calls += 1;
             last.total += total;
             last.worst = last.worst.max(total);

@@ -8,7 +8,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow};
 
-use crate::counting::callgrind::{STAGES, VALGRIND};
+use crate::counting::callgrind::VALGRIND;
+use crate::counting::stages::STAGES;
 use crate::counting::{self, Counted};
 use crate::run::{self, ask, cargo, root, target};
 
@@ -59,9 +60,7 @@ fn table(counted: &[Counted]) -> Result<String> {
     writeln!(text, "|---{}", "|---:".repeat(STAGES.len() + 1) + "|")?;
     for case in counted.iter().filter(|case| SHOWN.contains(&case.name.as_str())) {
         let share = |count: u64| (count + case.calls / 2) / case.calls;
-        let parts = STAGES.map(|(_, files)| case.within(files));
-        let rest = case.total - parts.iter().sum::<u64>();
-        let fields = parts.iter().chain([&rest]).map(|&count| share(count).to_string()).collect::<Vec<_>>().join(" | ");
+        let fields = case.stages.map(|count| share(count).to_string()).join(" | ");
         writeln!(text, "| {} | {fields} |", case.name)?;
     }
     Ok(text)
@@ -83,7 +82,7 @@ their sizes are in [MEMORY.md](MEMORY.md), a Cortex-M7's instructions in [COUNTS
 const PARTS_HEAD: &str = "
 ## Where they are
 
-Mean instructions by the source line that they were compiled from, inlined or not. *libraries*: vector algebra, square roots, sines, copies; they belong to whoever called them. *rest*:
-the list of calls itself, checks of the pose, report.
+Mean instructions of each stage with all that it calls. Where one stage asks another, the asked one has them: *deform* is what force and torque ask of the ground between patches,
+*body* the body's compliance, whoever asks. *rest*: the list of calls itself, checks of the pose, report.
 
 ";

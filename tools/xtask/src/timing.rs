@@ -11,6 +11,7 @@ use std::process::{ExitCode, Stdio};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
+use crate::counting::stages::STAGES;
 use crate::demo;
 use crate::run::{self, ask, root, target};
 use crate::scenes::SCENES;
@@ -307,12 +308,15 @@ fn other_coupling(into: &mut String, other: &Value) -> Result<()> {
 }
 
 fn stages(into: &mut String, levels: &[Value]) -> Result<()> {
-    let Some(names) = levels.first().and_then(|level| level["stages"].as_object()) else { return Ok(()) };
-    let names: Vec<&String> = names.keys().collect();
-    let joined = names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(" | ");
+    let counted = levels.iter().any(|level| level["stages"].as_object().is_some_and(|stages| !stages.is_empty()));
+    let names: Vec<&str> = STAGES.iter().map(|(name, _)| *name).chain(["rest"]).filter(|_| counted).collect();
+    if names.is_empty() {
+        return Ok(());
+    }
+    let joined = names.join(" | ");
     writeln!(into, "\nInstructions of the dearest tick by stage:\n\n| tier | {joined} |\n|---{}|", "|---:".repeat(names.len()))?;
     for level in levels {
-        let counts = names.iter().map(|name| level["stages"][name.as_str()].to_string()).collect::<Vec<_>>().join(" | ");
+        let counts = names.iter().map(|name| level["stages"][*name].to_string()).collect::<Vec<_>>().join(" | ");
         writeln!(into, "| {} | {counts} |", text(&level["name"]))?;
     }
     into.push('\n');

@@ -361,13 +361,13 @@ impl Bench<'_, '_> {
     fn examine(&mut self, level: Level, tuning: &Tuning, dearest: Dearest, of: &Dearest) -> Result<Found, Failure> {
         let history = std::slice::from_ref(&dearest.history);
         let (recording, _) = self.judge.recording(tuning, history)?;
-        let by_file = self.judge.measure.by_file(&recording)?;
+        let by_stage = self.judge.measure.by_stage(&recording)?;
         let regions = self.judge.regions(tuning, &dearest.history)?.get(dearest.tick).copied().map_or(0, usize::from);
         let touching = self.judge.regions(tuning, &of.history)?.get(of.tick).copied().map_or(0, usize::from);
         let mut units = units::of(self.judge, tuning, of, touching)?;
         units.extend(units::vertex(self.judge, tuning, of, touching)?);
         Ok(Found {
-            stages: by_file.get(dearest.tick).map(|(total, files)| stages(*total, files)).unwrap_or_default(),
+            stages: by_stage.get(dearest.tick).copied().map(stages).unwrap_or_default(),
             stack: self.judge.measure.stack(&recording, &self.judge.empty(tuning)?)?,
             timed: self.time(level, &recording)?,
             units,

@@ -3,7 +3,6 @@
 //! A dump attributes each instruction to the source line it was compiled from, inlined or not. Needs nothing but the standard library: tests and developer
 //! commands that count include this file.
 
-use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,33 +10,10 @@ use std::process::Command;
 /// What counts, and the Debian package it comes from.
 pub const VALGRIND: &str = "valgrind";
 
-/// What gathers the core's source files, in pipeline order: name, starts of paths in the core's `src`.
-pub const STAGES: [(&str, &[&str]); 11] = [
-    ("coupling", &["coupling/"]),
-    ("detect", &["stage/detect", "geometry/"]),
-    ("regions", &["stage/regions", "patch.rs"]),
-    ("force", &["stage/force", "footprint", "profile/"]),
-    ("torque", &["stage/torque", "tier/"]),
-    ("deform", &["stage/deform", "stage/ground", "green/"]),
-    ("body", &["body.rs"]),
-    ("wrench", &["stage/wrench", "wrench.rs"]),
-    ("guard", &["guard.rs"]),
-    ("surface", &["surface/"]),
-    ("libraries", &["libraries"]),
-];
-
 /// Name and version of the counter; `None` where it is not installed.
 pub fn version() -> Option<String> {
     let output = Command::new(VALGRIND).arg("--version").output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
-}
-
-/// Instructions by source file; the core's by their path in its `src`, others under `libraries`.
-pub type ByFile = BTreeMap<String, u64>;
-
-/// Instructions in files whose path starts with one of these.
-pub fn within(files: &ByFile, starts: &[&str]) -> u64 {
-    files.iter().filter(|(file, _)| starts.iter().any(|start| file.starts_with(start))).map(|(_, count)| count).sum()
 }
 
 /// What is to be counted.
@@ -53,7 +29,7 @@ pub struct Job<'a> {
     pub pattern: &'a str,
     /// Their full names.
     pub marked: &'a [&'a str],
-    /// With source lines, which [`by_file`] needs; without them a dump is a tenth as long.
+    /// With source lines, by which stages and files are told apart; without them a dump is a tenth as long.
     pub lines: bool,
     /// Takes the dumps; empty.
     pub folder: &'a Path,
@@ -102,42 +78,14 @@ pub fn total(dump: &str) -> Option<u64> {
     dump.lines().rev().find_map(|line| line.strip_prefix("totals:"))?.trim().parse().ok()
 }
 
-/// Adds a dump's instructions to `into`; yields their sum. Names are written once as `(number) name`, then as `(number)`; `names` keeps the numbers from dump to
-/// dump of one run.
-pub fn by_file(dump: &str, names: &mut HashMap<String, String>, into: &mut ByFile) -> u64 {
-    let (mut file, mut total, mut is_call) = (String::new(), 0, false);
-    for line in dump.lines() {
-        match line.split_once('=') {
-            Some(("fl" | "fi" | "fe", name)) => file = known(name, names),
-            // a callee's file may be named here first
-            Some(("cfi" | "cfl", name)) => drop(known(name, names)),
-            Some(("calls", _)) => is_call = true,
-            Some(_) => {}
-            // what a callee cost is counted in its own lines
-            None if std::mem::take(&mut is_call) => {}
-            None => total += own(line).inspect(|cost| *into.entry(file.clone()).or_default() += cost).unwrap_or(0),
-        }
-    }
-    into.retain(|_, cost| *cost > 0);
-    total
-}
-
 /// Cost of a line of the form `position cost`; positions are numbers, differences or `*`.
-fn own(line: &str) -> Option<u64> {
+pub fn cost(line: &str) -> Option<u64> {
     let (position, cost) = line.split_once(' ')?;
     position.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '*')).then(|| cost.trim().parse().ok())?
 }
 
-fn known(name: &str, names: &mut HashMap<String, String>) -> String {
-    let (number, path) = name.split_once(' ').unwrap_or((name, ""));
-    if !path.is_empty() {
-        names.insert(number.to_owned(), short(path));
-    }
-    names.get(number).cloned().unwrap_or_default()
-}
-
-/// A file of the core by its path in `src`, any other as a library's.
-fn short(path: &str) -> String {
+/// A file of the core by its path in `src`, any other as `libraries`.
+pub fn short(path: &str) -> String {
     let own = path.split_once("core/contact/src/").map(|(_, rest)| rest.to_owned());
     own.unwrap_or_else(|| "libraries".to_owned())
 }

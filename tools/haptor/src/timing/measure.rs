@@ -1,6 +1,5 @@
 //! The program that runs ticks, `haptor-measure`: under callgrind, under the real-time policy, or for the fastest of some rounds.
 
-use std::collections::HashMap;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -9,7 +8,8 @@ use std::process::Command;
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use super::callgrind::{self, ByFile, Job, VALGRIND};
+use super::callgrind::{self, Job, VALGRIND};
+use super::stages::{ByStage, Names, by_stage};
 use crate::failure::Failure;
 use crate::output::unwritten;
 use crate::programs::{self, Child};
@@ -113,19 +113,16 @@ impl Measure {
         place.counted(&self.program, false, &["--surface", &points], |job, ticks| Ok(callgrind::total(&job.dump(ticks)?)))
     }
 
-    /// Instructions of each tick by source file; nothing where nothing counts them.
+    /// Instructions of each tick by stage, and what is in none; nothing where nothing counts them.
     ///
     /// # Errors
     /// As [`Self::costs`].
-    pub fn by_file(&self, recording: &[u8]) -> Result<Vec<(u64, ByFile)>, Failure> {
+    pub fn by_stage(&self, recording: &[u8]) -> Result<Vec<(ByStage, u64)>, Failure> {
         if self.counter.is_none() {
             return Ok(Vec::new());
         }
-        let (place, mut names) = (self.place(recording, 0)?, HashMap::new());
-        place.ticks(&self.program, true, |dump| {
-            let mut files = ByFile::new();
-            (callgrind::by_file(dump, &mut names, &mut files), files)
-        })
+        let (place, mut names) = (self.place(recording, 0)?, Names::default());
+        place.ticks(&self.program, true, |dump| by_stage(dump, &mut names))
     }
 
     /// Stack that the ticks of a recording use \[bytes\], beyond that of `empty`, the same without a tick: valgrind's drd says of each thread how far its stack

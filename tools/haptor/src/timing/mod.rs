@@ -20,5 +20,6 @@ pub mod mutate;
 pub mod picture;
 pub mod report;
 pub mod search;
+pub mod stages;
 pub mod start;
 pub mod units;

@@ -5,12 +5,12 @@ use std::fmt::Write;
 use haptor_contact::{MAX_BRISTLES, MAX_PARTS, Model, Params, Scratch, State};
 use serde_json::{Value, json};
 
-use super::callgrind::{STAGES, within};
 use super::cover::Cover;
 use super::judge::Dearest;
 use super::level::Level;
 use super::measure::Timed;
 use super::search::Effort;
+use super::stages::{ByStage, STAGES};
 use super::units::Unit;
 
 /// A period at 1 kHz \[ns\].
@@ -88,12 +88,9 @@ pub struct Report {
     pub cover: Cover,
 }
 
-/// Instructions by stage, what is in none of them last.
-pub fn stages(total: u64, files: &super::callgrind::ByFile) -> Vec<(&'static str, u64)> {
-    let mut stages: Vec<_> = STAGES.iter().map(|(name, starts)| (*name, within(files, starts))).collect();
-    let known: u64 = stages.iter().map(|(_, count)| count).sum();
-    stages.push(("rest", total.saturating_sub(known)));
-    stages
+/// Instructions by the stages' names, what is in none of them last.
+pub fn stages((of, rest): (ByStage, u64)) -> Vec<(&'static str, u64)> {
+    STAGES.iter().zip(of).map(|((name, _), count)| (*name, count)).chain([("rest", rest)]).collect()
 }
 
 /// What the core's memory takes: name, bytes.
@@ -204,7 +201,7 @@ impl Report {
             let counts: String = found.stages.iter().map(|(_, count)| format!("{count:>11}")).collect();
             let _ = writeln!(text, "{:<15}{counts}", found.level.name());
         }
-        text.push_str("libraries: vector algebra, roots, sines, copies, for whichever stage asked; rest: the list of calls, checks, report\n");
+        text.push_str("each with all that it calls; body: the body's compliance, whichever stage asked; rest: the list of calls, checks, report\n");
     }
 
     fn units_table(&self, text: &mut String) {
