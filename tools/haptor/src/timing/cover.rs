@@ -15,7 +15,7 @@ const CONDITIONS: [&str; 12] = [
     "sticks all over",
     "sticks and slips",
     "slips all over",
-    "cells fitted anew",
+    CELLS_FITTED,
     "tier changed",
     "pose that is none",
     "a cheaper tier for want of work",
@@ -32,6 +32,8 @@ pub struct Cover {
     regions: [u64; MAX_REGIONS + 1],
     flags: [u64; Flags::NAMES.len()],
     conditions: [u64; CONDITIONS.len()],
+    /// In tiers with cells.
+    with_cells: u64,
     known: Vec<Known>,
     tier: Option<haptor_wire::Tier>,
 }
@@ -40,12 +42,17 @@ fn has(tick: &TickRecord, flag: Flags) -> bool {
     Flags(tick.flags).contains(flag)
 }
 
+/// What only tiers with cells do.
+const CELLS_FITTED: &str = "cells fitted anew";
+
 /// Conditions that need two patches.
 const OF_TWO: [&str; 4] = ["patches merged into a region", "one region gives way to another", "region refused", "birth waits"];
 
 /// Why a condition was not met.
-fn why_not(condition: &str, parts: usize) -> &'static str {
+fn why_not(condition: &str, parts: usize, has_cells: bool) -> &'static str {
     match condition {
+        CELLS_FITTED if !has_cells => "cannot be: no tier that was measured has cells",
+        "non-finite" => "the core never let one happen; a tick in it would be a defect",
         _ if parts < 2 && OF_TWO.contains(&condition) => "cannot be: the probe has one part, which makes one patch",
         "length floored" => {
             "only tier paper has that length, and its floor is met where a twisted contact faces away from the base's centre"
@@ -64,6 +71,7 @@ impl Cover {
     /// A tick, and the engine behind it.
     pub fn tick(&mut self, tick: &TickRecord, engine: &Engine<'_>) {
         self.ticks += 1;
+        self.with_cells += u64::from(has_cells(tick.tier));
         self.regions[usize::from(tick.regions).min(MAX_REGIONS)] += 1;
         for (bit, count) in self.flags.iter_mut().enumerate() {
             *count += u64::from(tick.flags >> bit & 1);
@@ -96,6 +104,7 @@ impl Cover {
     /// Takes over what another has counted.
     pub fn add(&mut self, other: &Self) {
         self.ticks += other.ticks;
+        self.with_cells += other.with_cells;
         let pairs = [
             (&mut self.regions[..], &other.regions[..]),
             (&mut self.flags[..], &other.flags[..]),
@@ -109,7 +118,7 @@ impl Cover {
     /// Conditions that no tick was in, each with why it cannot be met, where it cannot; `parts` = parts of the probe.
     pub fn unmet(&self, parts: usize) -> impl Iterator<Item = (&'static str, &'static str)> {
         let unmet = self.conditions().filter(|(_, ticks)| *ticks == 0);
-        unmet.map(move |(name, _)| (name, why_not(name, parts)))
+        unmet.map(move |(name, _)| (name, why_not(name, parts, self.with_cells > 0)))
     }
 
     /// Ticks seen.

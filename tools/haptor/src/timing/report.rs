@@ -16,6 +16,9 @@ use super::units::Unit;
 /// A period at 1 kHz \[ns\].
 const PERIOD_1_KHZ_NS: f64 = 1.0e6;
 
+/// Least width of the tables' first column.
+const LEAST_WIDE: usize = 15;
+
 /// A motion that was measured.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -142,11 +145,17 @@ impl Report {
         )
     }
 
+    /// Width of the first column: the longest name of a level, and what heads it.
+    fn wide(&self) -> usize {
+        self.levels.iter().map(|found| found.level.name().len()).fold(LEAST_WIDE, usize::max)
+    }
+
     fn levels_table(&self, text: &mut String) {
+        let wide = self.wide();
         // writing to a string cannot fail, here and below
         let _ = writeln!(
             text,
-            "\n{:<15}{:>14}{:>9}  {:<34}{:>14}  search",
+            "\n{:<wide$}{:>14}{:>9}  {:<34}{:>14}  search",
             "dearest tick",
             self.unit(),
             "regions",
@@ -161,7 +170,7 @@ impl Report {
             let input = format!("{}, tick {}", found.dearest.history.name, found.dearest.tick);
             let name = found.level.name();
             let _ =
-                writeln!(text, "{name:<15}{:>14}{:>9}  {input:<34}{motions:>14}  {effort}", found.dearest.cost, found.regions);
+                writeln!(text, "{name:<wide$}{:>14}{:>9}  {input:<34}{motions:>14}  {effort}", found.dearest.cost, found.regions);
         }
     }
 
@@ -177,14 +186,14 @@ impl Report {
             say(timed.locked),
             timed.clock_ns
         );
-        let rate = format!("of {} Hz", self.rate_hz);
+        let (rate, wide) = (format!("of {} Hz", self.rate_hz), self.wide());
         let columns = ["p50", "p99", "p99.9", "p99.99", "max"].map(|name| format!("{name:>10}")).concat();
-        let _ = writeln!(text, "{:<15}{columns}{:>12}{rate:>12}  put aside", "[us]", "max/1 kHz");
+        let _ = writeln!(text, "{:<wide$}{columns}{:>12}{rate:>12}  put aside", "[us]", "max/1 kHz");
         for (found, timed) in self.timed() {
             let us = |ns: u64| format!("{:>10.2}", ns as f64 / 1000.0);
             let columns = [timed.p50, timed.p99, timed.p999, timed.p9999, timed.max].map(us).concat();
             let shares = self.shares(timed).map(|share| format!("{:>10.2} %", 100.0 * share)).concat();
-            let _ = writeln!(text, "{:<15}{columns}{shares}  {} times", found.level.name(), timed.preempted);
+            let _ = writeln!(text, "{:<wide$}{columns}{shares}  {} times", found.level.name(), timed.preempted);
         }
         text.push_str("the far quantiles are this machine's: interrupts, neighbours and a hypervisor count as well\n");
     }
@@ -195,11 +204,12 @@ impl Report {
 
     fn stages_table(&self, text: &mut String) {
         let Some(first) = self.levels.iter().find(|found| !found.stages.is_empty()) else { return };
+        let wide = self.wide();
         let names: String = first.stages.iter().map(|(name, _)| format!("{name:>11}")).collect();
-        let _ = writeln!(text, "\n{:<15}{names}", "by stage");
+        let _ = writeln!(text, "\n{:<wide$}{names}", "by stage");
         for found in &self.levels {
             let counts: String = found.stages.iter().map(|(_, count)| format!("{count:>11}")).collect();
-            let _ = writeln!(text, "{:<15}{counts}", found.level.name());
+            let _ = writeln!(text, "{:<wide$}{counts}", found.level.name());
         }
         text.push_str("each with all that it calls; body: the body's compliance, whichever stage asked; rest: the list of calls, checks, report\n");
     }
@@ -208,9 +218,10 @@ impl Report {
         if self.levels.iter().all(|found| found.units.is_empty()) {
             return;
         }
-        let _ = writeln!(text, "\n{:<15}{:>20}{:>14}  how", "per unit", "one more", self.unit());
+        let wide = self.wide();
+        let _ = writeln!(text, "\n{:<wide$}{:>22}{:>14}  how", "per unit", "one more", self.unit());
         for (found, unit) in self.levels.iter().flat_map(|found| found.units.iter().map(move |unit| (found, unit))) {
-            let _ = writeln!(text, "{:<15}{:>20}{:>14.0}  {}", found.level.name(), unit.what, unit.cost, unit.how);
+            let _ = writeln!(text, "{:<wide$}{:>22}{:>14.0}  {}", found.level.name(), unit.what, unit.cost, unit.how);
         }
         text.push_str("a vertex of the surface is no part of a tick: whoever looks on pays for it\n");
     }

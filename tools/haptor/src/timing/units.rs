@@ -21,7 +21,7 @@ const SAMPLES: [u16; 2] = [64, 128];
 const CELLS: [u16; 2] = [52, 112];
 const SWEEPS: [u8; 2] = [4, 8];
 
-/// Units of a level at its dearest tick, which has so many regions.
+/// Units of a level at its dearest tick, which has so many regions; without a work budget, which would take back what is added.
 ///
 /// # Errors
 /// As [`Judge::costs`].
@@ -30,6 +30,8 @@ pub fn of(judge: &mut Judge<'_>, level: &Tuning, dearest: &Dearest, regions: usi
     if regions == 0 {
         return Ok(units);
     }
+    let free = if level.work.is_some() { ", no budget" } else { "" };
+    let level = &Tuning { work: None, ..*level };
     let samples = |samples| Tuning { samples, ..*level };
     let mut between = |what, [less, more]: [Tuning; 2], steps: usize, how: String| -> Result<(), Failure> {
         let history = std::slice::from_ref(&dearest.history);
@@ -38,7 +40,7 @@ pub fn of(judge: &mut Judge<'_>, level: &Tuning, dearest: &Dearest, regions: usi
         units.push(Unit { what, cost: (more - less) / (steps * regions) as f64, how });
         Ok(())
     };
-    let to = |list: [u16; 2]| format!("{} to {}, {regions} regions", list[0], list[1]);
+    let to = |list: [u16; 2]| format!("{} to {}, {regions} regions{free}", list[0], list[1]);
     match level.tier {
         Tier::Point => {}
         Tier::Paper | Tier::Bristle => {
@@ -48,7 +50,7 @@ pub fn of(judge: &mut Judge<'_>, level: &Tuning, dearest: &Dearest, regions: usi
             between("cell of a region", CELLS.map(samples), usize::from(CELLS[1] - CELLS[0]), to(CELLS))?;
             let sweeps = SWEEPS.map(|sweeps| Tuning { sweeps, ..*level });
             let steps = usize::from(SWEEPS[1] - SWEEPS[0]);
-            between("sweep of a region", sweeps, steps, format!("{} to {}, {regions} regions", SWEEPS[0], SWEEPS[1]))?;
+            between("sweep of a region", sweeps, steps, format!("{} to {}, {regions} regions{free}", SWEEPS[0], SWEEPS[1]))?;
         }
     }
     Ok(units)
