@@ -491,6 +491,35 @@ mod tests {
         }
     }
 
+    /// Of a capsule at a corner, deep, shallow or missed by descent, no ball has a deeper point, and the search does not ask for ever.
+    #[test]
+    fn a_capsule_at_a_corner_is_its_deepest_ball() {
+        let cube = ObjectShape::Box { size: Vec3::splat(0.1) };
+        let (radius, height) = (0.006, 0.02);
+        let part = ProbePart::at_origin(ProbeShape::Capsule { radius, height });
+        let mut numbers = Numbers(3);
+        let (mut touching, mut all, mut most) = (0, 0, 0);
+        for _ in 0..CAPSULES {
+            let turn = Quat::from_vec4(numbers.vector().extend(numbers.next())).normalize();
+            let x_wa = Pose::new(Vec3::new(0.05, 0.05, 0.1) + 0.012 * numbers.vector(), turn);
+            let asked = Cell::new(0);
+            let found = deepest_asking(&cube, &part, &x_wa, &asked).gap.distance;
+            let under = |middle: Vec3| gap::slope(&cube, middle - gap(&cube, middle).normal * radius).distance;
+            let balls = (0..=100).map(|i| under(x_wa.point(Vec3::Z * (height * (i as f32 / 100.0 - 0.5)))));
+            let deepest = balls.fold(f32::MAX, |least, ball| if ball < least { ball } else { least });
+            assert!(
+                deepest >= -1.0e-7 || found <= deepest + 1.0e-7 + 1.0e-4 * found.abs(),
+                "{x_wa:?}: {found}, a ball {deepest}"
+            );
+            touching += u32::from(found < 0.0);
+            (all, most) = (all + asked.get(), most.max(asked.get()));
+        }
+        assert!(touching > CAPSULES / 2 && all < 25 * CAPSULES && most < 400, "{touching} touch, {all} asked for, {most} of one");
+    }
+
+    /// How many capsules are tried.
+    const CAPSULES: u32 = 40_000;
+
     /// Round parts have one normal, whether the search says it or the gap where it ended.
     #[test]
     fn a_search_under_an_edge_ends_on_the_normal_of_its_point() {

@@ -28,6 +28,9 @@ const CORNER_SECANTS: usize = 4;
 /// Steps of Broyden's method over three faces: on smooth parts six to ten level the moments, on flats none do.
 const BROYDEN_STEPS: usize = 14;
 
+/// The same for a ball, which always settles: beside corners some take sixteen.
+const BALL_STEPS: usize = 18;
+
 /// Trials of the place along a spine, at most.
 const SPINE_STEPS: usize = 16;
 
@@ -36,6 +39,12 @@ const SPINE_SETTLED: f32 = 1.0e-6;
 
 /// Least slack that is guessed from, as a share of the box's smallest half edge: descent may have ended outside.
 const LEAST_GUESS: f32 = 0.02;
+
+/// A root that is lower than this, of a face that the point lies beyond, does not come back.
+const LOST: f32 = 0.03;
+
+/// Least component of a normal that is guessed: its root is a thirtieth.
+const LEAST_NORMAL: f32 = 1.0e-6;
 
 /// A face farther than this many depths has a weight below 1e-3: descent finds such points, and the bound proves it.
 pub const FARTHEST: f32 = 4.0;
@@ -56,8 +65,8 @@ const SURE_SLACK: f32 = 1.0e-7;
 /// Sum of the fourth powers of a depth over the slacks of the far faces: they take a quarter of it, two and a half times what a proof allows.
 const FAR: f32 = 1.0e-3;
 
-/// Rounding of a slack, as a share of the object.
-const ROUNDING: f32 = 2.0e-8;
+/// Rounding of a slack, as a share of the object: of coordinates up to its half edge, which are a digit of 6e-8 apart. A search that asks for less never ends.
+const ROUNDING: f32 = 6.0e-8;
 
 /// Trials before the first tie: on smooth parts secants alone are faster.
 const FIRST_TIE: usize = 3;
@@ -73,6 +82,44 @@ const ROUND: f32 = 1.0e-4;
 
 /// Distance at which two support points are one, as a share of the object.
 const SAME: f32 = 2.0e-7;
+
+/// What the weights of a ball's trial prove of all balls along a spine: the depth lies below this line over the place.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// Place of the ball, 0 to 1.
+    at: f32,
+    /// Bound there \[m\], to the weights' scale.
+    value: f32,
+    /// Its change over the whole spine \[m\].
+    rise: f32,
+}
+
+impl Line {
+    /// The bound at another place.
+    fn over(&self, at: f32) -> f32 {
+        self.value + self.rise * (at - self.at)
+    }
+
+    /// True where it is below zero all along.
+    fn is_below_zero(&self) -> bool {
+        max(self.over(0.0), self.over(1.0)) < 0.0
+    }
+
+    /// The place at which it is zero.
+    fn zero(&self) -> f32 {
+        clamp(self.at - self.value / self.rise, 0.0, 1.0)
+    }
+
+    /// True where one that rises and one that falls leave no place at which both are above zero.
+    fn meets_below_zero(&self, falling: &Self) -> bool {
+        self.zero() >= falling.zero()
+    }
+}
+
+/// The next place between a line that rises to its zero and one that falls from its: the middle of what they leave.
+fn meeting(rising: Option<Line>, falling: Option<Line>) -> f32 {
+    0.5 * (rising.map_or(0.0, |line| line.zero()) + falling.map_or(1.0, |line| line.zero()))
+}
 
 /// A box about its centre, the signs of the three faces that are near, and the support of the part in the box's frame.
 struct Search<F> {
@@ -110,7 +157,9 @@ pub fn under_edge(
 ) -> Option<(Vec3, Vec3)> {
     let (search, place) = search_about(half, centre, at, spine.map_or(0.0, |spine| spine.radius), support);
     let (slack, depth) = (search.slack(place), -at.gap.distance);
-    if search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
+    // balls along a spine are soon proven to keep apart: what descent missed is looked for wherever that ended
+    let is_sought = search.missed && spine.is_some();
+    if !is_sought && search.is_settled(slack, depth, reach) || search.is_beyond_a_face() {
         return None;
     }
     let found = search.along_or_over_two(spine, centre, place, depth).or_else(|| search.evened(slack));
@@ -199,10 +248,34 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         self.slack((self.support)(-(self.sign * axis))).dot(axis)
     }
 
-    /// From a place inside both at this depth: along a spine in world, else over two faces.
+    /// From a place of the part, inside both where this depth is above zero: along a spine in world, else over two faces.
     fn along_or_over_two(&self, spine: Option<Spine<'_>>, centre: Vec3, place: Vec3, depth: f32) -> Option<Trial> {
-        let spine = spine.filter(|_| depth > 0.0).map(|spine| Spine { start: spine.start - centre, ..spine });
-        spine.and_then(|spine| self.along(&spine, place)).or_else(|| self.over_two(self.slack(place), depth))
+        let spine = spine.map(|spine| Spine { start: spine.start - centre, ..spine });
+        let along = |spine: Spine<'_>| {
+            if depth > 0.0 { self.along(&spine, place, self.inverse(self.slack(place))) } else { self.inside(&spine) }
+        };
+        spine.and_then(along).or_else(|| self.over_two(self.slack(place), depth))
+    }
+
+    /// Over all on a part with a spine of which no point inside is known: where the lines that two balls beside the box prove to lie above the depth meet, until a ball lies inside, or
+    /// the lines meet below zero, which proves that the part keeps apart (theory.md, equation 2.10); `None` where a ball does not settle.
+    fn inside(&self, spine: &Spine<'_>) -> Option<Trial> {
+        let (mut before, mut after) = (None, None);
+        for _ in 0..SPINE_STEPS {
+            let at = meeting(before, after);
+            let trial = self.ball_or_apart(spine, at, None)?;
+            if !is_beside(&trial) {
+                return self.along(spine, spine.start + spine.way * at, trial.roots);
+            }
+            let weights = fifth(trial.roots);
+            let line = Line { at, value: weights.dot(trial.slack), rise: -weights.dot(self.sign * spine.way) };
+            let side = if line.rise > 0.0 { &mut before } else { &mut after };
+            *side = Some(line);
+            if line.is_below_zero() || before.zip(after).is_some_and(|(one, other)| one.meets_below_zero(&other)) {
+                return Some(trial);
+            }
+        }
+        None
     }
 
     /// Over two faces, where the whole part keeps clear of the third.
@@ -221,14 +294,26 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
 
     /// Over all at once, by Broyden's method from a guess of the slacks; `None` where the moments do not settle, as on flats.
     fn evened(&self, slack: Vec3) -> Option<Trial> {
+        self.evened_from(self.inverse(slack), BROYDEN_STEPS)
+    }
+
+    /// The roots, to their scale, that these slacks make even.
+    fn inverse(&self, slack: Vec3) -> Vec3 {
         let least = LEAST_GUESS * self.half.min_element();
-        let inverse = slack.map(|s| 1.0 / max(s, least));
-        let mut last = self.trial(inverse / inverse.element_sum());
+        slack.map(|s| 1.0 / max(s, least))
+    }
+
+    /// The same from a guess of the roots, to their scale, in so many steps.
+    fn evened_from(&self, guess: Vec3, steps: usize) -> Option<Trial> {
+        let mut last = self.trial(guess / guess.element_sum());
         let mut lead = last.leads();
         let mut slopes = last.slopes(self.round);
-        for _ in 0..BROYDEN_STEPS {
+        for _ in 0..steps {
             if self.is_apart(&last) || self.is_level(&last) {
                 return Some(last);
+            }
+            if self.missed && last.slack.min_element() < 0.0 && is_lost(&last) {
+                return None;
             }
             let step = last.kept_inside(-(slopes.inverse() * lead));
             last = self.trial(last.roots + Vec3::new(step.x, step.y, -step.x - step.y));
@@ -246,17 +331,17 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
 
     /// Over all on a part with a spine, from a point inside both: the deepest of the balls along it, where the depth changes no more or an end is met; `None` where
     /// balls do not settle.
-    fn along(&self, spine: &Spine<'_>, place: Vec3) -> Option<Trial> {
+    fn along(&self, spine: &Spine<'_>, place: Vec3, guess: Vec3) -> Option<Trial> {
         let lead = |trial: &Trial| fifth(trial.roots).dot(self.sign * spine.way);
         let mut near = clamp((place - spine.start).dot(spine.way) / spine.way.length_squared(), 0.0, 1.0);
-        let mut last = self.ball(spine, near, self.half - self.sign * place)?;
+        let mut last = self.ball(spine, near, guess)?;
         // the depth is concave along the spine and grows towards this end
         let mut far = if lead(&last) > 0.0 { 0.0 } else { 1.0 };
         if near == far {
             return Some(last);
         }
         let mut share = spanning(near, far, lead(&last), last);
-        if let Some(end) = self.ball(spine, far, last.slack) {
+        if let Some(end) = self.ball(spine, far, last.roots) {
             if (lead(&end) > 0.0) == (lead(&last) > 0.0) {
                 return Some(end);
             }
@@ -264,7 +349,7 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         }
         for _ in 0..SPINE_STEPS {
             let at = share.next(share.middle());
-            let Some(trial) = self.ball(spine, at, last.slack) else {
+            let Some(trial) = self.ball(spine, at, last.roots) else {
                 // a ball beside the box: the deepest lies on this side of it
                 far = at;
                 share = spanning(near, far, lead(&last), last);
@@ -279,16 +364,38 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
         None
     }
 
-    /// The deepest point of the ball at this place of a spine, from a guess of its slacks.
-    fn ball(&self, spine: &Spine<'_>, at: f32, slack: Vec3) -> Option<Trial> {
+    /// The deepest point of the ball at this place of a spine, from a guess of its roots, to their scale, such as those of a ball beside it; `None` where it keeps apart or does not settle.
+    fn ball(&self, spine: &Spine<'_>, at: f32, guess: Vec3) -> Option<Trial> {
+        self.ball_or_apart(spine, at, Some(guess)).filter(|trial| !is_beside(trial))
+    }
+
+    /// The same, or what proves that the ball keeps apart: the face that all of it lies beyond, where there is one.
+    fn ball_or_apart(&self, spine: &Spine<'_>, at: f32, guess: Option<Vec3>) -> Option<Trial> {
+        let (ball, slack) = (self.of_ball(spine, at), self.slack(spine.start + spine.way * at));
+        if slack.min_element() + spine.radius > 0.0 {
+            let from_its_middle = || ball.evened_from(self.roots_of_ball(slack, spine.radius), BALL_STEPS);
+            return guess.and_then(|guess| ball.evened_from(guess, BALL_STEPS)).or_else(from_its_middle);
+        }
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter();
+        axes.reduce(|best, axis| if slack.dot(axis) < slack.dot(best) { axis } else { best }).map(|axis| ball.trial(axis))
+    }
+
+    /// A guess of a ball's roots, to their scale, from its middle's slacks: where that lies outside, the normal is about that of the box's point next to it.
+    fn roots_of_ball(&self, slack: Vec3, radius: f32) -> Vec3 {
+        let outside = (-slack).max(Vec3::ZERO);
+        if outside == Vec3::ZERO { self.inverse(slack) } else { outside.map(|n| root(root(max(n / radius, LEAST_NORMAL)))) }
+    }
+
+    /// The search for the deepest point of the ball at this place of a spine, which may lie beside the box.
+    fn of_ball(&self, spine: &Spine<'_>, at: f32) -> Search<impl Fn(Vec3) -> Vec3> {
         let centre = spine.start + spine.way * at;
-        let support = |d: Vec3| count(spine.asked, 1, centre + direction(d, Vec3::Z) * spine.radius);
-        Search { half: self.half, sign: self.sign, missed: false, round: spine.radius, support }.evened(slack)
+        let support = move |d: Vec3| count(spine.asked, 1, centre + direction(d, Vec3::Z) * spine.radius);
+        Search { half: self.half, sign: self.sign, missed: true, round: spine.radius, support }
     }
 
     /// True where a trial proves that part and box keep apart: its weights bound the depth from above.
     fn is_apart(&self, trial: &Trial) -> bool {
-        self.missed && fifth(trial.roots).dot(trial.slack) < 0.0
+        self.missed && trial.slack.min_element() < 0.0 && fifth(trial.roots).dot(trial.slack) < 0.0
     }
 
     /// True where all three moments are even and the point lies inside.
@@ -384,6 +491,17 @@ impl<F: Fn(Vec3) -> Vec3> Search<F> {
     fn seen(&self, roots: Vec3, point: Vec3) -> Trial {
         Trial { roots, point, slack: self.half - self.sign * point }
     }
+}
+
+/// True where a search runs to where a face that its point lies beyond means nothing: the moments are even there, too.
+fn is_lost(trial: &Trial) -> bool {
+    let lost = |slack: f32, root: f32| slack < 0.0 && root < LOST;
+    lost(trial.slack.x, trial.roots.x) || lost(trial.slack.y, trial.roots.y) || lost(trial.slack.z, trial.roots.z)
+}
+
+/// True for the trial of a ball that keeps apart: its weights bound the depth from above.
+fn is_beside(trial: &Trial) -> bool {
+    trial.slack.min_element() <= 0.0 && fifth(trial.roots).dot(trial.slack) <= 0.0
 }
 
 /// Where the support points before and after the change of sign are as far against the roots of a share.
